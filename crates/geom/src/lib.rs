@@ -12,13 +12,30 @@
 //! Sources are cited by the keys of `REFERENCES.md`.
 #![warn(missing_docs)]
 
+pub mod bounds;
+pub mod cone;
+pub mod ellipsoid;
+pub mod hexahedron;
+pub mod inverse;
 pub mod material;
 pub mod mesh;
+pub mod paper;
+pub mod ray;
+pub mod symmetric;
 pub mod texture;
 pub mod trilinear;
+pub mod wall;
 
+pub use bounds::{Certificate, certify};
+pub use cone::{Cone, Footprint, texel_footprint};
+pub use ellipsoid::{Ellipsoid, VisibleNormals};
 pub use glam;
+pub use hexahedron::{Hexahedron, Passage, Passages};
+pub use inverse::InverseError;
 pub use material::{Material, MaterialId};
 pub use mesh::{Face, Mesh, MeshError};
+pub use ray::Ray;
+pub use symmetric::Symmetric3;
 pub use texture::{Texture, TextureId};
 pub use trilinear::{DTrilinear, Trilinear};
+pub use wall::{RayFrame, RaySpace, WallHit, WallHits, wall_hits};

@@ -1,1 +1,44 @@
+//! Turns a mesh into a *skin*: trilinear boxes standing on its quads, prisms on its triangles, each knowing
+//! where in the periodic lattice of a texel it lies. [Neyret98] [seed §4.3]
+//!
+//! ```
+//! use pelage_skin::{SkinOptions, extrude, surface};
+//!
+//! let torus = surface::torus(1.0, 0.4, 48, 24);
+//! let skin = extrude(&torus, &|_face| true, &SkinOptions::new(0.05))?;
+//! assert_eq!(skin.len(), 48 * 24);
+//! assert_eq!(skin.report.left_out(), 0);
+//! # Ok::<(), pelage_skin::SkinError>(())
+//! ```
+//!
+//! # How a skin is made
+//!
+//! | stage | room |
+//! |---|---|
+//! | the selected faces, welded, without the degenerate ones | [`polygon`](crate::Report) |
+//! | without texture coordinates and with triangles: every n-gon becomes n quads | `refine` |
+//! | one vector a vertex, from the faces around it | `normals` |
+//! | quads and triangles become patches; texel coordinates | `dressing` |
+//! | every box is certified; folded ones are mended, left out or refused | `validate` |
+//!
+//! Neighbouring patches name the same vertices, so that the wall between their boxes has the same four corner
+//! points, to the last bit, seen from either side.
 #![warn(missing_docs)]
+
+mod dressing;
+mod error;
+mod extrude;
+mod normals;
+mod options;
+mod patch;
+mod polygon;
+mod refine;
+mod report;
+pub mod surface;
+mod validate;
+
+pub use error::SkinError;
+pub use extrude::extrude;
+pub use options::{Border, Folds, Layout, SkinOptions};
+pub use patch::{Lattice, Patch, Skin};
+pub use report::{Fold, Outcome, Report};

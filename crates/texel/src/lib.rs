@@ -1,1 +1,34 @@
+//! Builds, freezes and walks texels: cubes of volumetric texture with data at every level of detail.
+//!
+//! A texel is the cube `[0, 1]³` in (s, t, w), w away from the surface, usually periodic in s and t. Level l
+//! has `2^l` voxels a side, 0 to its depth. Content comes as triangles ([`Geometry`], from a [`Procedure`] such
+//! as [`Fur`]); [`build()`] measures every level from them, never from the level below; the result is frozen
+//! ([`Texel`]) and only walked ([`Level::walk`]).
+//!
+//! ```text
+//! Geometry ─ voxelise ─► triangles a cell ─ region, raster, coverage ─► Voxel ─ bricks ─► Level ─ traverse
+//! ```
+//!
+//! Sources are cited by the keys of `REFERENCES.md`.
 #![warn(missing_docs)]
+
+mod bricks;
+mod build;
+mod coverage;
+mod error;
+mod octree;
+mod procedure;
+mod raster;
+mod region;
+mod strands;
+mod traverse;
+mod voxel;
+mod voxelise;
+
+pub use build::{BuildOptions, build};
+pub use error::{BuildError, TexelError};
+pub use octree::{Level, Texel};
+pub use procedure::{Geometry, Procedure};
+pub use strands::Fur;
+pub use traverse::{Step, Walk};
+pub use voxel::Voxel;

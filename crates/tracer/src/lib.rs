@@ -1,1 +1,23 @@
+//! A multithreaded CPU cone tracer for volumetric textures.
+//!
+//! [`Scene::new`] compiles a [`Description`]; [`render`] makes a [`Film`] of it. The main path runs from
+//! [`render`] through `cone`: a pixel's rays collect what they see, what is seen twice is merged, then lit.
+//! No file, no format, no printing.
 #![warn(missing_docs)]
+
+mod accel;
+mod camera;
+mod cone;
+mod film;
+mod light;
+mod render;
+mod scene;
+mod settings;
+mod surface;
+
+pub use camera::Camera;
+pub use film::{Film, Pixel, Rect};
+pub use light::{Environment, Incoming, Light};
+pub use render::{MAX_PIXELS, Progress, RenderError, render};
+pub use scene::{Coat, Description, Scene, SceneError};
+pub use settings::{Lod, Opacity, Path, Rays, Settings};

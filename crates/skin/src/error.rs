@@ -1,0 +1,96 @@
+//! What can be wrong with a skin or with what it is asked for.
+
+use pelage_geom::MeshError;
+
+use crate::Fold;
+
+/// Why there is no skin, or why one is unusable; each variant says where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SkinError {
+    /// The mesh itself is unusable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// No face was selected, or only faces without area.
+    #[error(
+        "mesh `{mesh}`: none of its {faces} faces can wear a skin ({zero_area} of those selected have no area)"
+    )]
+    NothingSelected {
+        /// The mesh's name.
+        mesh: String,
+        /// How many faces it has.
+        faces: usize,
+        /// How many of the selected ones have no area.
+        zero_area: usize,
+    },
+    /// [`Layout::Uv`](crate::Layout::Uv) was asked for on a mesh without texture coordinates.
+    #[error("mesh `{mesh}` has no texture coordinates to lay the texel out by")]
+    NoUvs {
+        /// The mesh's name.
+        mesh: String,
+    },
+    /// An option is out of its domain.
+    #[error("skin option `{option}` is {value}: {expected}")]
+    Option {
+        /// The field of [`SkinOptions`](crate::SkinOptions).
+        option: &'static str,
+        /// What it holds.
+        value: f32,
+        /// What it should hold.
+        expected: &'static str,
+    },
+    /// Boxes are folded and [`Folds::Refuse`](crate::Folds::Refuse) was asked for.
+    #[error("mesh `{mesh}`: {count} boxes are folded; the first is {first}")]
+    Folded {
+        /// The mesh's name.
+        mesh: String,
+        /// How many boxes are folded.
+        count: usize,
+        /// The first of them.
+        first: Fold,
+    },
+    /// More vertices or patches than 32-bit indices can name.
+    #[error("mesh `{mesh}`: the skin would have {count} {what}, more than 32-bit indices can name")]
+    TooLarge {
+        /// The mesh's name.
+        mesh: String,
+        /// `vertices` or `patches`.
+        what: &'static str,
+        /// How many.
+        count: usize,
+    },
+    /// A list of the skin has another length than the one it goes with.
+    #[error("skin: `{list}` has {length} entries where {expected} are needed")]
+    Length {
+        /// `top` or `uvs`.
+        list: &'static str,
+        /// Its length.
+        length: usize,
+        /// The length it should have.
+        expected: usize,
+    },
+    /// A patch names a vertex that does not exist.
+    #[error("skin, patch {patch}: vertex index {index} is out of range ({count} vertices)")]
+    IndexOutOfRange {
+        /// Which patch.
+        patch: usize,
+        /// The index it names.
+        index: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// A base or top point is NaN or infinite.
+    #[error("skin, vertex {vertex}: its base or its top is not a usable number")]
+    NonFinite {
+        /// Which vertex.
+        vertex: usize,
+    },
+    /// A lattice is not finite, or flattens the patch onto a line.
+    #[error("skin, patch {patch}: its texel coordinates are singular or not finite")]
+    Lattice {
+        /// Which patch.
+        patch: usize,
+    },
+    /// A box of a finished skin is folded.
+    #[error("skin: {0}")]
+    FoldedBox(Fold),
+}

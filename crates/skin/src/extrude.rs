@@ -1,0 +1,120 @@
+//! From a mesh to its skin. [Neyret98 §3] [seed §4.1]
+
+use glam::Vec3;
+use pelage_geom::{Face, Mesh};
+
+use crate::dressing::{self, Plan};
+use crate::polygon::{self, Surface};
+use crate::validate::{Settled, settle};
+use crate::{Border, Folds, Layout, Outcome, Patch, Report, Skin, SkinError, SkinOptions};
+use crate::{normals, refine};
+
+/// Covers the faces of `mesh` for which `selected` holds with a skin.
+///
+/// A quad gets one box, or two prisms where its texture coordinates or its shape ask for it; a triangle gets
+/// one prism. Without texture coordinates to lay the texel out by, and with a triangle among the
+/// faces, every face of n corners becomes n quads first. All that was out of the ordinary is in
+/// [`Skin::report`]; a skin may come out empty where every box was left out.
+///
+/// # Errors
+/// A mesh or an option out of its domain, nothing to cover, [`Layout::Uv`] without texture coordinates, or, under
+/// [`Folds::Refuse`], a folded box.
+pub fn extrude(
+    mesh: &Mesh,
+    selected: &dyn Fn(usize) -> bool,
+    options: &SkinOptions,
+) -> Result<Skin, SkinError> {
+    options.validate()?;
+    mesh.validate()?;
+    if options.layout == Layout::Uv && mesh.uvs.is_none() {
+        return Err(SkinError::NoUvs { mesh: mesh.name.clone() });
+    }
+    let mut report = Report::default();
+    let mut surface = polygon::collect(mesh, selected, options.border == Border::Mesh, &mut report);
+    if surface.polygons.is_empty() {
+        let (faces, zero_area) = (mesh.faces.len(), report.zero_area_faces.len());
+        return Err(SkinError::NothingSelected { mesh: mesh.name.clone(), faces, zero_area });
+    }
+    let plan = Plan::new(&surface, mesh.uvs.is_some(), options);
+    if matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface.polygons) {
+        surface = refine::refine(&surface);
+        report.refined = true;
+    }
+    polygon::count_edges(&surface.polygons, &mut report);
+    for (what, count) in [("vertices", surface.positions.len()), ("patches", 2 * surface.polygons.len())] {
+        if count >= Face::NONE as usize {
+            return Err(SkinError::TooLarge { mesh: mesh.name.clone(), what, count });
+        }
+    }
+
+    let (mut patches, uvs) = dressing::dress(&surface, plan, options, &mut report);
+    let vectors = normals::vectors(&surface.positions, &patches, &surface.bystanders);
+    let used = number_vertices(&surface, &mut patches);
+    let base = gather(&surface.positions, &used);
+    let unit = gather(&vectors.unit, &used);
+    let among_used = |all: &[u32]| -> Vec<u32> {
+        all.iter().filter_map(|v| used.binary_search(v).ok()).map(|i| i as u32).collect()
+    };
+    report.cancelled_normals = among_used(&vectors.cancelled);
+    report.turned_normals = among_used(&vectors.turned).len();
+
+    let Settled { top, kept, mut folds, mended_vertices, shortest } = settle(&base, &unit, &patches, options);
+    if let (Folds::Refuse, Some(&first)) = (options.folds, folds.first()) {
+        return Err(SkinError::Folded { mesh: mesh.name.clone(), count: folds.len(), first });
+    }
+    let renumbered: Vec<u32> = (kept.iter())
+        .scan(0, |next, &stays| {
+            let number = *next;
+            *next += u32::from(stays);
+            Some(number)
+        })
+        .collect();
+    for fold in &mut folds {
+        if let Outcome::Mended { patch } = &mut fold.outcome {
+            *patch = renumbered[*patch as usize];
+        }
+    }
+    let (patches, uvs): (Vec<_>, Vec<_>) =
+        patches.into_iter().zip(uvs).zip(&kept).filter(|&(_, &stays)| stays).map(|(pair, _)| pair).unzip();
+
+    report.prisms = patches.iter().filter(|p| p.is_prism()).count();
+    report.boxes = patches.len() - report.prisms;
+    report.copy_width = copy_width(&patches, &base);
+    (report.folds, report.mended_vertices, report.shortest) = (folds, mended_vertices, shortest);
+    Ok(Skin { base, top, patches, uvs: mesh.uvs.is_some().then_some(uvs), report })
+}
+
+/// Numbers the vertices that `patches` use, in their order, and returns what each was in `surface`.
+fn number_vertices(surface: &Surface, patches: &mut [Patch]) -> Vec<u32> {
+    let mut place = vec![Face::NONE; surface.positions.len()];
+    for &v in patches.iter().flat_map(Patch::corners) {
+        place[v as usize] = 0;
+    }
+    let used: Vec<u32> = (0..place.len() as u32).filter(|&v| place[v as usize] == 0).collect();
+    for (i, &v) in used.iter().enumerate() {
+        place[v as usize] = i as u32;
+    }
+    for v in patches.iter_mut().flat_map(|p| &mut p.vertices).filter(|v| **v != Face::NONE) {
+        *v = place[*v as usize];
+    }
+    used
+}
+
+fn gather(values: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
+    indices.iter().map(|&i| values[i as usize]).collect()
+}
+
+/// Mean side of a copy of the texel, in metres: the root of the area of the base over the copies on it.
+fn copy_width(patches: &[Patch], base: &[Vec3]) -> f32 {
+    let (mut area, mut copies) = (0.0, 0.0);
+    for patch in patches {
+        let outline = patch.outline();
+        let p = |i: usize| {
+            base[if outline[i] == Face::NONE { outline[0] } else { outline[i] } as usize].as_dvec3()
+        };
+        area += 0.5 * (p(2) - p(0)).cross(p(3) - p(1)).length();
+        let determinant = f64::from(patch.lattice.determinant().abs());
+        copies += if patch.is_prism() { 0.5 * determinant } else { determinant };
+    }
+    if copies > 0.0 { (area / copies).sqrt() as f32 } else { 0.0 }
+}

@@ -1,0 +1,134 @@
+//! Every box is certified: det J > 0 throughout, proved by its Bernstein coefficients. What fails is mended by
+//! shortening the vectors of its vertices, or left out, and always named. [seed §4.3]
+
+use glam::Vec3;
+use pelage_geom::{Certificate, certify};
+use rayon::prelude::*;
+
+use crate::patch::hexahedron;
+use crate::{Fold, Folds, Outcome, Patch, Skin, SkinError, SkinOptions};
+
+/// By how much a vector is shortened at a time.
+const SHORTENING: f32 = 0.8;
+
+impl Skin {
+    /// Checks everything that a renderer relies on: the lengths of the lists, indices, numbers, lattices, and
+    /// that no box is folded, undecided ones being halved up to `certificate_depth` times.
+    ///
+    /// # Errors
+    /// The first fault, with its vertex or patch.
+    pub fn validate(&self, certificate_depth: u32) -> Result<(), SkinError> {
+        let count = self.base.len();
+        if self.top.len() != count {
+            return Err(SkinError::Length { list: "top", length: self.top.len(), expected: count });
+        }
+        if let Some(uvs) = self.uvs.as_ref().filter(|uvs| uvs.len() != self.len()) {
+            return Err(SkinError::Length { list: "uvs", length: uvs.len(), expected: self.len() });
+        }
+        let finite = |(base, top): (&Vec3, &Vec3)| base.is_finite() && top.is_finite();
+        if let Some(vertex) = self.base.iter().zip(&self.top).position(|points| !finite(points)) {
+            return Err(SkinError::NonFinite { vertex });
+        }
+        for (patch, p) in self.patches.iter().enumerate() {
+            if let Some(&index) = p.corners().iter().find(|&&i| i as usize >= count) {
+                return Err(SkinError::IndexOutOfRange { patch, index, count });
+            }
+            let determinant = p.lattice.determinant();
+            if !(p.lattice.origin.is_finite() && determinant.is_finite() && determinant != 0.0) {
+                return Err(SkinError::Lattice { patch });
+            }
+        }
+        let folds = faults(&self.patches, &self.base, &self.top, certificate_depth);
+        folds.first().map_or(Ok(()), |&fold| Err(SkinError::FoldedBox(fold)))
+    }
+}
+
+/// What became of the boxes over some vertices.
+pub(crate) struct Settled {
+    /// Where the boxes reach.
+    pub top: Vec<Vec3>,
+    /// Which patches stay.
+    pub kept: Vec<bool>,
+    /// The folded ones, in the order of the patches; an outcome names the patch before any is left out.
+    pub folds: Vec<Fold>,
+    /// How many vectors were shortened.
+    pub mended_vertices: usize,
+    /// The shortest of them, as a fraction of the height.
+    pub shortest: f32,
+}
+
+/// Erects the boxes, `options.height` along each of `unit`, and deals with those that are folded.
+///
+/// Mending shortens all the vectors of a folded box by a factor and checks every box that shares one of them, until
+/// none is folded. A box that would be folded even at the shortest height allowed is left out at once,
+/// so that its neighbours are not shortened for nothing. Every round shortens at least one vector and none is
+/// shortened below its limit, so the rounds end.
+pub(crate) fn settle(base: &[Vec3], unit: &[Vec3], patches: &[Patch], options: &SkinOptions) -> Settled {
+    let reach = |scale: &[f32]| -> Vec<Vec3> {
+        let vertices = base.par_iter().zip(unit).zip(scale);
+        vertices.map(|((b, n), s)| *b + s * options.height * *n).collect()
+    };
+    let mut scale = vec![1.0; base.len()];
+    let mut top = reach(&scale);
+    let mut kept = vec![true; patches.len()];
+    let depth = options.certificate_depth;
+    let mut folded = faults(patches, base, &top, depth);
+    let mut folds: Vec<Option<Fold>> = Vec::new();
+    if folded.is_empty() || options.folds == Folds::Refuse {
+        return Settled { top, kept, folds: folded, mended_vertices: 0, shortest: 1.0 };
+    }
+    folds.resize(patches.len(), None);
+    let lowest = reach(&vec![options.shortest; base.len()]);
+    while !folded.is_empty() {
+        let mut changed = vec![false; base.len()];
+        for fold in &folded {
+            let Outcome::Found { patch } = fold.outcome else { continue };
+            let i = patch as usize;
+            let hopeless =
+                options.folds == Folds::LeaveOut || fault(i, &patches[i], base, &lowest, depth).is_some();
+            let outcome = if hopeless { Outcome::LeftOut } else { Outcome::Mended { patch } };
+            kept[i] = !hopeless;
+            folds[i].get_or_insert(*fold).outcome = outcome;
+            for &v in patches[i].corners().iter().filter(|_| !hopeless) {
+                changed[v as usize] = true;
+            }
+        }
+        for (s, _) in scale.iter_mut().zip(&changed).filter(|(_, c)| **c) {
+            *s = (*s * SHORTENING).max(options.shortest);
+        }
+        top = reach(&scale);
+        folded = (0..patches.len())
+            .into_par_iter()
+            .filter(|&i| kept[i] && patches[i].corners().iter().any(|&v| changed[v as usize]))
+            .filter_map(|i| fault(i, &patches[i], base, &top, depth))
+            .collect();
+    }
+    Settled {
+        kept,
+        folds: folds.into_iter().flatten().collect(),
+        mended_vertices: scale.iter().filter(|&&s| s < 1.0).count(),
+        shortest: scale.iter().copied().fold(1.0, f32::min),
+        top,
+    }
+}
+
+/// The folded boxes among `patches`, in their order.
+fn faults(patches: &[Patch], base: &[Vec3], top: &[Vec3], depth: u32) -> Vec<Fold> {
+    patches.par_iter().enumerate().filter_map(|(i, patch)| fault(i, patch, base, top, depth)).collect()
+}
+
+/// What is wrong with one box, if anything. One that stays undecided at `depth` counts as folded.
+fn fault(index: usize, patch: &Patch, base: &[Vec3], top: &[Vec3], depth: u32) -> Option<Fold> {
+    let map = hexahedron(&patch.vertices, base, top);
+    let (at, determinant) = match certify(&map, depth) {
+        Certificate::Valid { .. } => return None,
+        Certificate::Folded { at, determinant } => (at, determinant),
+        Certificate::Undecided { at } => (at, f64::NAN),
+    };
+    Some(Fold {
+        face: patch.face,
+        at: at.as_vec3(),
+        determinant: determinant as f32,
+        outcome: Outcome::Found { patch: index as u32 },
+    })
+}

@@ -1,0 +1,306 @@
+//! Which cells of a level are occupied, and which voxel stands in each: the level flattened into 8³ bricks.
+//!
+//! ```text
+//! coarse   (R/8)³ × u32    x fastest      EMPTY | k   the aligned cube of 8·2^k cells around it is empty
+//!                                         b           brick b
+//! bricks   b: words [u64; 8]              one bit a cell; a word is a 4³ block, a byte of it a 2³ block
+//!             first [u32; 8]              voxels before each word
+//! voxel of a cell = first[word] + popcount(the word's bits below the cell's)
+//! ```
+//!
+//! Cells stand in Morton order (x lowest) within bricks, bricks in Morton order within the level: voxels are
+//! therefore in the Morton order of their cells, children follow each other, and empty 2³ and 4³ blocks show
+//! as a zero byte or word. Two dependent loads find a voxel; there is no stack. Levels of less than 8 cells a
+//! side use the low corner of one brick.
+//!
+//! Found in [traversal, flattened levels]: 24 ns a cell against 35 for a pointer octree.
+
+use glam::IVec3;
+
+/// Marks an entry of the coarse grid whose low bits are the logarithm of an empty cube's size in bricks.
+const EMPTY: u32 = 1 << 31;
+
+/// The Morton code of a cell: bits of x, y, z interleaved, x lowest. Coordinates below 2¹⁰.
+pub(crate) fn morton(cell: [u32; 3]) -> u32 {
+    let spread = |v: u32| {
+        let v = (v | v << 16) & 0x0300_00ff;
+        let v = (v | v << 8) & 0x0300_f00f;
+        let v = (v | v << 4) & 0x030c_30c3;
+        (v | v << 2) & 0x0924_9249
+    };
+    spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2
+}
+
+/// The cell of a Morton code.
+pub(crate) fn demorton(code: u32) -> [u32; 3] {
+    let gather = |v: u32| {
+        let v = v & 0x0924_9249;
+        let v = (v | v >> 2) & 0x030c_30c3;
+        let v = (v | v >> 4) & 0x0300_f00f;
+        let v = (v | v >> 8) & 0x0300_00ff;
+        (v | v >> 16) & 0x3ff
+    };
+    [gather(code), gather(code >> 1), gather(code >> 2)]
+}
+
+/// 512 cells.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Brick {
+    /// Occupancy, a word a 4³ block.
+    pub(crate) words: [u64; 8],
+    /// How many voxels stand before each word.
+    pub(crate) first: [u32; 8],
+}
+
+/// Where a cell stands: what the walk needs to know next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// All the aligned cube of this many cells a side (a power of two, at least 8) is empty.
+    Void(i32),
+    /// The cell's 4³ block: its occupancy and the voxels before it.
+    Block(u64, u32),
+}
+
+/// The occupancy of one level.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Bricks {
+    resolution: u32,
+    len: u32,
+    coarse: Vec<u32>,
+    bricks: Vec<Brick>,
+}
+
+impl Bricks {
+    /// From the Morton codes of the occupied cells, strictly ascending, below `resolution³`; `resolution` is a
+    /// power of two.
+    pub(crate) fn new(resolution: u32, codes: &[u32]) -> Self {
+        let side = (resolution / 8).max(1) as usize;
+        let mut bricks: Vec<Brick> = Vec::new();
+        let mut coarse = vec![EMPTY; side * side * side];
+        let mut last = None;
+        for (voxel, &code) in codes.iter().enumerate() {
+            if last != Some(code >> 9) {
+                last = Some(code >> 9);
+                let [x, y, z] = demorton(code >> 9).map(|v| v as usize);
+                coarse[x + side * (y + side * z)] = bricks.len() as u32;
+                bricks.push(Brick { words: [0; 8], first: [voxel as u32; 8] });
+            }
+            if let Some(brick) = bricks.last_mut() {
+                let word = (code >> 6 & 7) as usize;
+                brick.words[word] |= 1 << (code & 63);
+                brick.first[word + 1..].fill(voxel as u32 + 1);
+            }
+        }
+        grow_empty_cubes(&mut coarse, side);
+        Self { resolution, len: codes.len() as u32, coarse, bricks }
+    }
+
+    /// Cells a side.
+    pub(crate) fn resolution(&self) -> u32 {
+        self.resolution
+    }
+
+    /// How many cells are occupied.
+    pub(crate) fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(self.coarse.as_slice()) + size_of_val(self.bricks.as_slice())
+    }
+
+    /// The voxel in a cell of the level, if it is occupied; coordinates below the resolution.
+    pub(crate) fn find(&self, cell: IVec3) -> Option<u32> {
+        match self.place(cell) {
+            Place::Void(_) => None,
+            Place::Block(word, first) => voxel_in(word, first, cell),
+        }
+    }
+
+    /// What stands at a cell whose coordinates are below the resolution.
+    #[inline]
+    pub(crate) fn place(&self, cell: IVec3) -> Place {
+        let side = (self.resolution as i32 / 8).max(1);
+        let at = (cell.x >> 3) + side * ((cell.y >> 3) + side * (cell.z >> 3));
+        let entry = self.coarse[at as usize];
+        if entry & EMPTY != 0 {
+            return Place::Void(8 << (entry & !EMPTY));
+        }
+        let brick = &self.bricks[entry as usize];
+        let word = (cell.x >> 2 & 1 | (cell.y >> 2 & 1) << 1 | (cell.z >> 2 & 1) << 2) as usize;
+        Place::Block(brick.words[word], brick.first[word])
+    }
+
+    /// The occupied cells, in the order of their voxels.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let side = (self.resolution as usize / 8).max(1);
+        let mut origins = vec![[0; 3]; self.bricks.len()];
+        for (at, &entry) in self.coarse.iter().enumerate() {
+            if entry & EMPTY == 0 {
+                let origin = [at % side, at / side % side, at / side / side];
+                origins[entry as usize] = origin.map(|v| 8 * v as u32);
+            }
+        }
+        self.bricks.iter().zip(origins).flat_map(|(brick, origin)| {
+            (0..512_u32).filter(|&bit| brick.words[(bit >> 6) as usize] >> (bit & 63) & 1 == 1).map(move |bit| {
+                let inside = demorton(bit);
+                [origin[0] + inside[0], origin[1] + inside[1], origin[2] + inside[2]]
+            })
+        })
+    }
+
+    /// What does not fit, if anything: ranks, the size of the lists, empty cubes that are not empty.
+    pub(crate) fn fault(&self) -> Option<&'static str> {
+        let side = (self.resolution as usize / 8).max(1);
+        if !self.resolution.is_power_of_two() || self.coarse.len() != side * side * side {
+            return Some("the coarse grid has not the level's size");
+        }
+        let mut seen = vec![false; self.bricks.len()];
+        for (at, &entry) in self.coarse.iter().enumerate() {
+            if entry & EMPTY == 0 {
+                match seen.get_mut(entry as usize) {
+                    Some(seen) if !*seen => *seen = true,
+                    _ => return Some("a brick is missing or named twice"),
+                }
+                continue;
+            }
+            let size = 1_usize.checked_shl(entry & !EMPTY).unwrap_or(usize::MAX);
+            if size > side {
+                return Some("an empty cube is larger than the level");
+            }
+            let low = [at % side, at / side % side, at / side / side].map(|v| v / size * size);
+            let cube = (0..size * size * size).map(|i| [i % size, i / size % size, i / size / size]);
+            let mut entries =
+                cube.map(|c| self.coarse[low[0] + c[0] + side * (low[1] + c[1] + side * (low[2] + c[2]))]);
+            if entries.any(|other| other & EMPTY == 0) {
+                return Some("an empty cube holds a brick");
+            }
+        }
+        if seen.contains(&false) {
+            return Some("a brick stands nowhere");
+        }
+        let mut voxels = 0;
+        for brick in &self.bricks {
+            for (word, first) in brick.words.iter().zip(brick.first) {
+                if first != voxels {
+                    return Some("voxels are miscounted");
+                }
+                voxels += word.count_ones();
+            }
+        }
+        if voxels != self.len {
+            return Some("voxels are miscounted");
+        }
+        (self.resolution < 8
+            && self.cells().any(|cell| cell.iter().any(|&c| c >= self.resolution)))
+        .then_some("a cell lies outside the level")
+    }
+}
+
+/// The voxel of a cell in its 4³ block, whose occupancy is `word` and which has `first` voxels before it.
+#[inline]
+pub(crate) fn voxel_in(word: u64, first: u32, cell: IVec3) -> Option<u32> {
+    let bit = 1_u64 << bit_of(cell);
+    (word & bit != 0).then(|| first + (word & (bit - 1)).count_ones())
+}
+
+/// The position of a cell in the word of its 4³ block.
+#[inline]
+pub(crate) fn bit_of(cell: IVec3) -> u32 {
+    const SPREAD: [u32; 4] = [0, 1, 8, 9];
+    SPREAD[(cell.x & 3) as usize] | SPREAD[(cell.y & 3) as usize] << 1 | SPREAD[(cell.z & 3) as usize] << 2
+}
+
+/// Lets every empty entry name the largest aligned empty cube around it.
+fn grow_empty_cubes(coarse: &mut [u32], side: usize) {
+    let mut size = 2;
+    while size <= side {
+        let half = size / 2;
+        let wanted = EMPTY | half.trailing_zeros();
+        for z in (0..side).step_by(size) {
+            for y in (0..side).step_by(size) {
+                for x in (0..side).step_by(size) {
+                    let at = |i: usize, step: usize| {
+                        let [dx, dy, dz] = [i % 2, i / 2 % 2, i / 4].map(|d| d * step);
+                        x + dx + side * (y + dy + side * (z + dz))
+                    };
+                    if (0..8).all(|i| coarse[at(i, half)] == wanted) {
+                        for i in 0..size * size * size {
+                            let [dx, dy, dz] = [i % size, i / size % size, i / size / size];
+                            coarse[x + dx + side * (y + dy + side * (z + dz))] = wanted + 1;
+                        }
+                    }
+                }
+            }
+        }
+        size *= 2;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn morton_codes_interleave_and_return() {
+        assert_eq!(morton([1, 0, 0]), 1);
+        assert_eq!(morton([0, 1, 0]), 2);
+        assert_eq!(morton([0, 0, 2]), 32);
+        for cell in [[511, 0, 3], [1, 2, 3], [300, 511, 257]] {
+            assert_eq!(demorton(morton(cell)), cell);
+        }
+    }
+
+    #[test]
+    fn nothing_is_one_empty_cube() {
+        let bricks = Bricks::new(64, &[]);
+        assert_eq!(bricks.place(IVec3::new(63, 0, 17)), Place::Void(64));
+        assert_eq!(bricks.fault(), None);
+        assert_eq!(bricks.cells().count(), 0);
+    }
+
+    #[test]
+    fn one_cell_leaves_the_largest_empty_cubes() {
+        let bricks = Bricks::new(64, &[morton([0, 0, 0])]);
+        assert_eq!(bricks.place(IVec3::new(63, 0, 17)), Place::Void(32));
+        assert_eq!(bricks.place(IVec3::new(8, 0, 0)), Place::Void(8));
+        assert_eq!(bricks.place(IVec3::new(16, 31, 0)), Place::Void(16));
+        assert_eq!(bricks.find(IVec3::ZERO), Some(0));
+        assert_eq!(bricks.find(IVec3::new(1, 0, 0)), None);
+    }
+
+    #[test]
+    fn a_broken_rank_is_found() {
+        let mut bricks = Bricks::new(16, &[3, 700]);
+        assert_eq!(bricks.fault(), None);
+        bricks.bricks[1].first[7] = 9;
+        assert_eq!(bricks.fault(), Some("voxels are miscounted"));
+    }
+
+    proptest! {
+        #[test]
+        fn every_cell_is_found_where_it_was_put(
+            log in 0_u32..7,
+            codes in prop::collection::btree_set(any::<u32>(), 0..300),
+        ) {
+            let resolution = 1 << log;
+            let codes: std::collections::BTreeSet<u32> =
+                codes.iter().map(|c| c % (1 << (3 * log))).collect();
+            let codes: Vec<u32> = codes.into_iter().collect();
+            let bricks = Bricks::new(resolution, &codes);
+            prop_assert_eq!(bricks.fault(), None);
+            let cells: Vec<u32> = bricks.cells().map(morton).collect();
+            prop_assert_eq!(&cells, &codes);
+            for (voxel, &code) in codes.iter().enumerate() {
+                let cell = demorton(code).map(|v| v as i32);
+                prop_assert_eq!(bricks.find(IVec3::from_array(cell)), Some(voxel as u32));
+            }
+            let found = (0..1_u32 << (3 * log.min(4)))
+                .filter(|&c| bricks.find(IVec3::from_array(demorton(c).map(|v| v as i32))).is_some());
+            let expected = codes.iter().filter(|&&c| c < 1 << (3 * log.min(4))).count();
+            prop_assert_eq!(found.count(), expected);
+        }
+    }
+}

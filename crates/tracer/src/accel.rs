@@ -1,0 +1,198 @@
+//! The bounding volume hierarchy: the one file that knows obvhs.
+
+use std::collections::HashMap;
+use std::time::Duration;
+
+use glam::{Vec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::ray::{Ray as BvhRay, RayHit};
+use pelage_geom::Ray;
+
+/// Finds the primitives whose bounds a ray may meet.
+pub(crate) struct Accel {
+    bvh: CwBvh,
+    /// Primitives by leaf: leaf `i` of the tree holds `members[first[i]..first[i + 1]]`.
+    first: Vec<u32>,
+    members: Vec<u32>,
+    /// The largest coordinate in magnitude, in scene units: what the rounding of a ray to `f32` scales with.
+    extent: f64,
+}
+
+impl Accel {
+    /// Builds the tree over finite bounds. Primitives with the same bounds share a leaf, because the builder's
+    /// time is quadratic in coincident ones.
+    pub(crate) fn new(bounds: &[[Vec3; 2]]) -> Self {
+        let mut leaf_of: HashMap<[u32; 6], u32> = HashMap::with_capacity(bounds.len());
+        let mut leaves: Vec<Aabb> = Vec::with_capacity(bounds.len());
+        let mut leaf: Vec<u32> = Vec::with_capacity(bounds.len());
+        let mut extent = 0.0_f32;
+        for &[lo, hi] in bounds {
+            let key = [lo.x, lo.y, lo.z, hi.x, hi.y, hi.z].map(f32::to_bits);
+            leaf.push(*leaf_of.entry(key).or_insert_with(|| {
+                leaves.push(Aabb::new(Vec3A::from(lo), Vec3A::from(hi)));
+                leaves.len() as u32 - 1
+            }));
+            extent = extent.max(lo.abs().max(hi.abs()).max_element());
+        }
+        // A few units in the last place around each box make up for the rounding of the ray to `f32`.
+        let margin = Vec3A::splat(8.0 * f32::EPSILON * extent);
+        for b in &mut leaves {
+            *b = Aabb::new(b.min - margin, b.max + margin);
+        }
+        let bvh = if leaves.is_empty() {
+            CwBvh::default()
+        } else {
+            build_cwbvh(&leaves, BvhBuildParams::medium_build(), &mut Duration::default())
+        };
+        // Leaves in the order of the tree, so that its own indices lead straight to the members.
+        let mut place = vec![0_u32; leaves.len()];
+        for (position, &i) in bvh.primitive_indices.iter().enumerate() {
+            place[i as usize] = position as u32;
+        }
+        let mut first = vec![0_u32; leaves.len() + 1];
+        for &l in &leaf {
+            first[place[l as usize] as usize + 1] += 1;
+        }
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
+        }
+        let mut next = first.clone();
+        let mut members = vec![0_u32; leaf.len()];
+        for (primitive, &l) in leaf.iter().enumerate() {
+            let slot = &mut next[place[l as usize] as usize];
+            members[*slot as usize] = primitive as u32;
+            *slot += 1;
+        }
+        Self { bvh, first, members, extent: f64::from(extent) }
+    }
+
+    /// Calls `visit` for every primitive whose bounds the ray may meet before `t_max`, in no particular order.
+    pub(crate) fn candidates(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(u32)) {
+        if let Some((ray, _)) = self.bvh_ray(ray, t_max) {
+            self.bvh.ray_traverse_anyhit(ray, |_, leaf| {
+                for &primitive in self.members_of(leaf) {
+                    visit(primitive);
+                }
+            });
+        }
+    }
+
+    /// The closest hit: `intersect` gives the distance at which the ray meets a primitive, if it does so before
+    /// the distance it is given. Returns that distance and the primitive; of equal ones, the primitive of the
+    /// smallest index.
+    pub(crate) fn closest(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        mut intersect: impl FnMut(u32, f64) -> Option<f64>,
+    ) -> Option<(f64, u32)> {
+        let (bvh_ray, start) = self.bvh_ray(ray, t_max)?;
+        let mut closest: Option<(f64, u32)> = None;
+        self.bvh.ray_traverse(bvh_ray, &mut RayHit::none(), |bvh_ray, leaf| {
+            let mut end = bvh_ray.tmax;
+            for &primitive in self.members_of(leaf) {
+                let limit = closest.map_or(t_max, |(t, _)| t);
+                // Equal distances are let through, so that the order of the tree decides nothing.
+                if let Some(t) = intersect(primitive, limit.next_up().min(t_max))
+                    && closest.is_none_or(|(best, i)| t < best || (t == best && primitive < i))
+                {
+                    closest = Some((t, primitive));
+                    end = (((t - start) * (1.0 + 1e-6)) as f32).next_up();
+                }
+            }
+            end
+        });
+        closest
+    }
+
+    /// Whether anything is in the way before `t_max`.
+    pub(crate) fn any(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        mut intersect: impl FnMut(u32, f64) -> Option<f64>,
+    ) -> bool {
+        let Some((bvh_ray, _)) = self.bvh_ray(ray, t_max) else { return false };
+        !self.bvh.ray_traverse_miss(bvh_ray, |bvh_ray, leaf| {
+            let hit = self.members_of(leaf).iter().any(|&primitive| intersect(primitive, t_max).is_some());
+            if hit { -1.0 } else { bvh_ray.tmax }
+        })
+    }
+
+    fn members_of(&self, leaf: usize) -> &[u32] {
+        &self.members[self.first[leaf] as usize..self.first[leaf + 1] as usize]
+    }
+
+    /// The ray in the tree's precision, started close to the tree: far away, an `f32` origin would miss by more
+    /// than the margin. Also returns how far the origin has moved. `None` where the ray cannot meet the tree.
+    fn bvh_ray(&self, ray: &Ray, t_max: f64) -> Option<(BvhRay, f64)> {
+        if self.members.is_empty() {
+            return None;
+        }
+        let start = (ray.origin.length() - 2.0 * self.extent).clamp(0.0, t_max.max(0.0));
+        let origin = ray.at(start).as_vec3a();
+        let direction = ray.direction.as_vec3a();
+        if !(origin.is_finite() && direction.is_finite()) {
+            return None;
+        }
+        let end = ((t_max - start) * (1.0 + 1e-6)) as f32;
+        (end >= 0.0).then(|| (BvhRay::new(origin, direction, 0.0, end.next_up()), start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn unit_box(at: Vec3) -> [Vec3; 2] {
+        [at, at + Vec3::ONE]
+    }
+
+    fn visited(accel: &Accel, origin: DVec3, direction: DVec3, t_max: f64) -> Vec<u32> {
+        let mut found = vec![];
+        accel.candidates(&Ray { origin, direction: direction.normalize() }, t_max, |i| found.push(i));
+        found.sort_unstable();
+        found
+    }
+
+    #[test]
+    fn nothing_one_and_all_the_same() {
+        let x = DVec3::X;
+        let from = DVec3::new(-5.0, 0.5, 0.5);
+        assert!(visited(&Accel::new(&[]), from, x, f64::INFINITY).is_empty());
+        let one = Accel::new(&[unit_box(Vec3::ZERO)]);
+        assert_eq!(visited(&one, from, x, f64::INFINITY), [0]);
+        assert!(visited(&one, from, x, 4.0).is_empty());
+        assert!(visited(&one, from, -x, f64::INFINITY).is_empty());
+        let same = Accel::new(&[unit_box(Vec3::ZERO); 20_000]);
+        assert_eq!(visited(&same, from, x, f64::INFINITY).len(), 20_000);
+    }
+
+    #[test]
+    fn agrees_with_brute_force_near_and_far() {
+        // A 20 × 20 sheet of unit boxes, apart by 1.5, seen by rays from near and from very far.
+        let bounds: Vec<_> =
+            (0..400).map(|i| unit_box(Vec3::new((i % 20) as f32 * 1.5, 0.0, (i / 20) as f32 * 1.5))).collect();
+        let accel = Accel::new(&bounds);
+        for i in 0..2000_u32 {
+            let a = f64::from(i) * 2.399_963;
+            let target = DVec3::new(15.0 + 14.0 * a.cos(), 0.5, 15.0 + 14.0 * (1.7 * a).sin());
+            let away = DVec3::new(a.sin(), 0.2 + (0.3 * a).cos().abs(), a.cos()).normalize();
+            let distance = if i % 2 == 0 { 30.0 } else { 1e6 };
+            let found = visited(&accel, target + distance * away, -away, f64::INFINITY);
+            for (j, &[lo, hi]) in bounds.iter().enumerate() {
+                let inside = |t: f64| {
+                    let p = target - t * away;
+                    p.cmpge(lo.as_dvec3()).all() && p.cmple(hi.as_dvec3()).all()
+                };
+                // Any sample of the ray inside a box proves that it had to be visited.
+                if (-400..400).any(|k| inside(f64::from(k) * 0.05)) {
+                    assert!(found.contains(&(j as u32)), "ray {i} lost box {j}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! The curve that a straight ray is in texel space, in chords whose ends lie on it exactly.
+//!
+//! Between two knots the curve is predicted by the cubic through both ends with their velocities J⁻¹D; its
+//! largest second derivative bounds the bow of each chord, and so how many are needed. Every knot is then put on
+//! the ray by Newton's method, which takes one step, seldom two. [seed §5.1, Ogaki23]
+
+use glam::{DVec3, Mat3, Vec2, Vec3};
+use pelage_geom::{Ray, Trilinear};
+use pelage_skin::Lattice;
+
+use super::passages::BoxPassage;
+
+/// A chord never splits into more than this many: beyond, a fold or a singular corner is the reason, not a curve.
+const MAX_CHORDS: usize = 256;
+
+/// A ray in the frame of one box: everything near zero, so that single precision is enough.
+pub(crate) struct LocalRay {
+    map: Trilinear,
+    origin: DVec3,
+    ray: Ray,
+    direction: Vec3,
+    lattice: Lattice,
+}
+
+/// A point of the curve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Knot {
+    /// Distance along the ray, in scene units.
+    pub t: f64,
+    /// Texel coordinates.
+    pub at: Vec3,
+    /// Box coordinates.
+    u: Vec3,
+    /// Texel units per scene unit.
+    velocity: Vec3,
+}
+
+/// A straight piece of the path, linear in t.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    pub t: [f64; 2],
+    /// Texel coordinates of its ends.
+    pub at: [Vec3; 2],
+}
+
+impl LocalRay {
+    /// The frame of the box whose corners are `map` (scene space), with the texel laid out by `lattice`.
+    pub fn new(map: &pelage_geom::DTrilinear, lattice: Lattice, ray: &Ray) -> Self {
+        let origin = map.corners[0];
+        let local = Trilinear { corners: map.corners.map(|c| (c - origin).as_vec3()) };
+        Self { map: local, origin, ray: *ray, direction: ray.direction.as_vec3(), lattice }
+    }
+
+    /// The Jacobian from texel steps to scene steps at box coordinates `u`.
+    pub fn texel_jacobian(&self, u: Vec3) -> Mat3 {
+        self.map.jacobian(u) * lattice_inverse(&self.lattice)
+    }
+
+    /// Direction of the ray, scene space.
+    pub fn direction(&self) -> Vec3 {
+        self.direction
+    }
+
+    /// Splits a passage into chords that leave the curve by at most `tolerance` (texel units), each at most
+    /// 1/`least` of the passage. Chords are appended to `out`, front to back.
+    pub fn chords(&self, passage: &BoxPassage, tolerance: f32, least: usize, out: &mut Vec<Chord>) {
+        let first = self.knot(passage.t[0], passage.u[0].as_vec3());
+        let last = self.knot(passage.t[1], passage.u[1].as_vec3());
+        let Some(bow) = bow(&first, &last) else {
+            // A singular end has no velocity: the chord is all that can be known.
+            out.push(chord(&first, &last));
+            return;
+        };
+        let count = chords_needed(bow, tolerance).clamp(least.max(1), MAX_CHORDS);
+        let mut from = first;
+        for i in 1..=count {
+            let to = if i == count { last } else { self.between(&first, &last, i as f32 / count as f32) };
+            self.refine(from, to, tolerance, out);
+            from = to;
+        }
+    }
+
+    /// One chord from entry to exit: the paper's *parcours linéaire*.
+    pub fn straight(&self, passage: &BoxPassage, out: &mut Vec<Chord>) {
+        let texel = |u: DVec3| to_texel(&self.lattice, u.as_vec3());
+        out.push(Chord { t: passage.t, at: passage.u.map(texel) });
+    }
+
+    /// Halves the piece while its own ends say that it bows more than the whole passage's ends foretold.
+    fn refine(&self, from: Knot, to: Knot, tolerance: f32, out: &mut Vec<Chord>) {
+        let mut pending = [to; 8];
+        let (mut from, mut depth) = (from, 0);
+        loop {
+            let to = pending[depth];
+            // Twice the tolerance: the first count is a bound and seldom far off; near misses are not worth a knot.
+            let bends = bow(&from, &to).is_some_and(|b| b > 2.0 * tolerance);
+            if bends && depth + 1 < pending.len() {
+                depth += 1;
+                pending[depth] = self.between(&from, &to, 0.5);
+                continue;
+            }
+            out.push(chord(&from, &to));
+            from = to;
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+        }
+    }
+
+    /// The point of the curve at the fraction `x` between two knots.
+    fn between(&self, a: &Knot, b: &Knot, x: f32) -> Knot {
+        let t = a.t + (b.t - a.t) * f64::from(x);
+        let span = (b.t - a.t) as f32;
+        // Hermite's cubic in box coordinates: exact where the curve is one, and close enough to start from.
+        let (va, vb) = (self.box_velocity(a) * span, self.box_velocity(b) * span);
+        let (y, z) = (1.0 - x, x * x * (3.0 - 2.0 * x));
+        let guess = a.u.lerp(b.u, z) + x * y * (y * va - x * vb);
+        let target = (self.ray.origin - self.origin + t * self.ray.direction).as_vec3();
+        let mut u = if guess.is_finite() { guess } else { a.u.lerp(b.u, x) };
+        for _ in 0..3 {
+            let step = self.map.jacobian(u).inverse() * (target - self.map.point(u));
+            if !step.is_finite() {
+                break;
+            }
+            u += step;
+            if step.abs().max_element() < 1e-5 {
+                break;
+            }
+        }
+        self.knot(t, u.clamp(Vec3::ZERO, Vec3::ONE))
+    }
+
+    fn knot(&self, t: f64, u: Vec3) -> Knot {
+        let velocity = to_texel_step(&self.lattice, self.map.jacobian(u).inverse() * self.direction);
+        Knot { t, at: to_texel(&self.lattice, u), u, velocity }
+    }
+
+    fn box_velocity(&self, knot: &Knot) -> Vec3 {
+        self.map.jacobian(knot.u).inverse() * self.direction
+    }
+}
+
+fn chord(a: &Knot, b: &Knot) -> Chord {
+    Chord { t: [a.t, b.t], at: [a.at, b.at] }
+}
+
+/// How far the chord between two knots leaves the curve at most, in texel units: an eighth of the largest second
+/// derivative of Hermite's cubic over the unit interval, which lies at one of its ends.
+fn bow(a: &Knot, b: &Knot) -> Option<f32> {
+    let span = (b.t - a.t) as f32;
+    let (va, vb, d) = (span * a.velocity, span * b.velocity, b.at - a.at);
+    let at_a = 6.0 * d - 4.0 * va - 2.0 * vb;
+    let at_b = 2.0 * va + 4.0 * vb - 6.0 * d;
+    let largest = at_a.length_squared().max(at_b.length_squared()).sqrt();
+    largest.is_finite().then_some(largest / 8.0)
+}
+
+/// k chords bow k² times less than one.
+fn chords_needed(bow: f32, tolerance: f32) -> usize {
+    (bow / tolerance.max(f32::MIN_POSITIVE)).sqrt().ceil().min(MAX_CHORDS as f32) as usize
+}
+
+/// Texel coordinates (s, t, w) of box coordinates.
+#[inline]
+pub(crate) fn to_texel(lattice: &Lattice, u: Vec3) -> Vec3 {
+    (lattice.origin + u.x * lattice.u + u.y * lattice.v).extend(u.z)
+}
+
+#[inline]
+fn to_texel_step(lattice: &Lattice, d: Vec3) -> Vec3 {
+    (d.x * lattice.u + d.y * lattice.v).extend(d.z)
+}
+
+/// Box coordinates of texel coordinates.
+pub(crate) fn to_box(lattice: &Lattice, at: Vec3) -> Vec3 {
+    let d = at.truncate() - lattice.origin;
+    let area = lattice.u.perp_dot(lattice.v);
+    let solve = |a: Vec2, b: Vec2| if area == 0.0 { 0.0 } else { a.perp_dot(b) / area };
+    Vec3::new(solve(d, lattice.v), solve(lattice.u, d), at.z)
+}
+
+/// The matrix from texel steps to box steps.
+fn lattice_inverse(lattice: &Lattice) -> Mat3 {
+    Mat3::from_cols(lattice.u.extend(0.0), lattice.v.extend(0.0), Vec3::Z).inverse()
+}

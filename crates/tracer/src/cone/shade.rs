@@ -1,0 +1,271 @@
+//! The light that a seen voxel or surface sends to the eye. [seed §5.2, §6.1c; method §7 in `docs/method.md`]
+
+use glam::{Mat3, Vec2, Vec3};
+use pelage_geom::{Cone, Ellipsoid, Material, material::exponent_of_roughness};
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use super::composite::{SeenSurface, SeenVoxel, mean_visible};
+use super::path::to_box;
+use super::shadow::{Correlation, ShadowBuffers, ShadowCone, decay};
+use crate::light::Incoming;
+use crate::scene::Coat;
+use crate::{Scene, Settings};
+
+/// Lights what a pixel sees; holds the buffers of the shadow cones.
+#[derive(Default)]
+pub(crate) struct Shader {
+    shadows: ShadowBuffers,
+}
+
+impl Shader {
+    /// The radiance of a voxel's visible matter towards the eye.
+    pub fn voxel(&mut self, scene: &Scene, settings: &Settings, seen: &SeenVoxel) -> Vec3 {
+        let (coat, patch) = scene.patch(seen.key.patch);
+        let level = coat.texel.level(u32::from(seen.key.level));
+        let voxel = level.voxel(seen.voxel);
+        let hexahedron = scene.hexahedron(seen.key.patch);
+        let scale = level.resolution() as f32;
+
+        // The shaded point, and the map around it.
+        let at = seen.at[0].lerp(seen.at[1], mean_visible(seen.depth));
+        let u = to_box(&patch.lattice, at).as_dvec3();
+        let point = hexahedron.map.point(u);
+        let to_lattice = Mat3::from_cols(patch.lattice.u.extend(0.0), patch.lattice.v.extend(0.0), Vec3::Z);
+        let jacobian = hexahedron.map.jacobian(u).as_mat3() * to_lattice.inverse();
+        let inverse = jacobian.inverse();
+        if !inverse.is_finite() {
+            return Vec3::ZERO; // a corner without volume: nothing is seen of it either
+        }
+        let view = -seen.direction.normalize_or(Vec3::NEG_Y);
+
+        let albedo = voxel.albedo * coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
+        let normals = Normals::of(&Ellipsoid(voxel.sigma), inverse * view, &inverse.transpose(), settings.normals);
+        let ambient = albedo * normals.mean(|n| scene.environment.mean_radiance(n)) * voxel.openness;
+
+        let exponent = exponent_of_roughness(coat.texel.roughness);
+        let mut radiance = ambient;
+        for light in &scene.lights {
+            let Some(incoming) = light.incoming(point.as_vec3()) else { continue };
+            let to_light = incoming.direction;
+            let half = (view + to_light).normalize_or_zero();
+            let reflected = normals.mean(|n| reflection(albedo, coat.texel.specular, exponent, n, to_light, half));
+            if reflected == Vec3::ZERO {
+                continue;
+            }
+            let mut arriving = 1.0;
+            if settings.shadows {
+                // Light's way through the voxel, in its own units of length per scene unit.
+                let step = inverse * to_light * scale;
+                let cell = glam::IVec3::from_array(seen.key.cell).as_vec3();
+                let correlation = correlation(&inverse, view, to_light, 1.0 / scale);
+                let ends = seen.at.map(|at| at * scale - cell);
+                let per_unit = voxel.kappa * voxel.depth_per_step(step);
+                let own = ends.map(|end| {
+                    let inside = voxel.clip(end, step, [0.0, f32::MAX]).map_or(0.0, |[_, leave]| leave);
+                    per_unit * inside * correlation.factor(0.0, inside)
+                });
+                arriving = own_shadow(own, seen.depth);
+                arriving *= self.shadows.transmittance(
+                    scene,
+                    settings,
+                    &ShadowCone {
+                        origin: point,
+                        direction: to_light.as_dvec3().normalize(),
+                        start: f64::from(way_out(at * scale - cell, step)),
+                        end: f64::from(incoming.distance),
+                        cone: Cone {
+                            width: jacobian.determinant().abs().cbrt() / scale,
+                            spread: incoming.spread,
+                        },
+                        correlation,
+                    },
+                );
+            }
+            radiance += arriving * incoming.irradiance * reflected;
+        }
+        radiance
+    }
+
+    /// The radiance of an opaque surface towards the eye.
+    pub fn surface(&mut self, scene: &Scene, settings: &Settings, seen: &SeenSurface) -> Vec3 {
+        let hit = &seen.hit;
+        let view = -seen.direction;
+        let fallback = Material::default();
+        let material = scene.materials.get(hit.material.0 as usize).unwrap_or(&fallback);
+        // Seen from behind, the surface shows its other side.
+        let side = if hit.geometric_normal.dot(view) < 0.0 { -1.0 } else { 1.0 };
+        let (normal, flat) = (side * hit.normal, side * hit.geometric_normal);
+        let albedo = scene.colour_of(material, hit.uv, seen.width * hit.uv_density);
+        let exponent = material.exponent();
+
+        let shadow = |direction: Vec3, end: f32, spread: f32| {
+            // Off the surface by what rounding may have put the point below it.
+            let origin = hit.point + scene.rounding() * flat.as_dvec3();
+            ShadowCone {
+                origin,
+                direction: direction.as_dvec3().normalize(),
+                start: 0.0,
+                end: f64::from(end),
+                cone: Cone { width: seen.width, spread },
+                correlation: Correlation::NONE,
+            }
+        };
+        let mut open = 1.0;
+        if settings.shadows && scene.reach > 0.0 {
+            // One wide cone up through the coat that stands here stands for the whole sky.
+            open = self.shadows.through_coats(scene, settings, &shadow(flat, scene.reach, 1.0));
+        }
+        let mut radiance = material.emissive + open * albedo * scene.environment.mean_radiance(normal);
+        for light in &scene.lights {
+            let Some(incoming) = light.incoming(hit.point.as_vec3()) else { continue };
+            let Incoming { direction, distance, irradiance, spread } = incoming;
+            let half = (view + direction).normalize_or_zero();
+            let reflected = reflection(albedo, material.specular, exponent, normal, direction, half);
+            if reflected == Vec3::ZERO || flat.dot(direction) <= 0.0 {
+                continue;
+            }
+            let arriving = if settings.shadows {
+                self.shadows.transmittance(scene, settings, &shadow(direction, distance, spread))
+            } else {
+                1.0
+            };
+            radiance += arriving * irradiance * reflected;
+        }
+        radiance
+    }
+}
+
+/// Diffuse + specular of one normal, times the cosine to the light. The factor keeps the specular albedo at or
+/// under k_s. [method §7]
+fn reflection(albedo: Vec3, specular: f32, exponent: f32, normal: Vec3, to_light: Vec3, half: Vec3) -> Vec3 {
+    let cosine = normal.dot(to_light);
+    if cosine <= 0.0 {
+        return Vec3::ZERO;
+    }
+    let mut reflected = albedo * FRAC_1_PI;
+    if specular > 0.0 {
+        let m = exponent;
+        let norm = (m + 2.0) * (m + 4.0) / (8.0 * PI * (m + (-0.5 * m).exp2()));
+        reflected += specular * norm * normal.dot(half).max(0.0).powf(m);
+    }
+    cosine * reflected
+}
+
+/// The visible normals of a voxel, carried into the scene.
+struct Normals {
+    normals: [Vec3; Normals::MOST],
+    count: usize,
+}
+
+impl Normals {
+    const MOST: usize = 16;
+
+    /// Takes `count` normals (1 to 16) of the visible half of the ellipsoid, equal parts of what is seen along
+    /// `view` (texel space, towards the eye), and turns each by `cofactor` = J⁻ᵀ.
+    fn of(ellipsoid: &Ellipsoid, view: Vec3, cofactor: &Mat3, count: u32) -> Self {
+        let count = (count as usize).clamp(1, Self::MOST);
+        let mut normals = [Vec3::ZERO; Self::MOST];
+        let view = view.normalize_or(Vec3::Z);
+        for (i, normal) in normals[..count].iter_mut().enumerate() {
+            // The first `count` points of Hammersley's set, centred in their strata.
+            let x = (i as f32 + 0.5) / count as f32;
+            let y = ((i as u32).reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
+            *normal = (*cofactor * ellipsoid.sample_visible(view, [x, y.fract()])).normalize_or_zero();
+        }
+        Self { normals, count }
+    }
+
+    fn mean(&self, f: impl Fn(Vec3) -> Vec3) -> Vec3 {
+        self.normals[..self.count].iter().map(|&n| f(n)).sum::<Vec3>() / self.count as f32
+    }
+}
+
+/// How quickly the ways to the eye and to the light part: by A = .02 + .2 h texel units, for a voxel of edge h.
+/// Measured on sheets, leaves, blades and hairs. [docs/notes/fidelity.md]
+fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, edge: f32) -> Correlation {
+    Correlation { q: (*inverse * (to_light - view)).length() / (0.02 + 0.2 * edge) }
+}
+
+/// The part of the light that the voxel's own matter lets through to what is seen of it, when the light's depth
+/// is `own[0]` at the point of entry and `own[1]` at the exit of a view ray of depth `seen`: the mean of
+/// e^−(depth to the light) over what the eye sees.
+fn own_shadow(own: [f32; 2], seen: f32) -> f32 {
+    let [a, b] = own;
+    ((-a).exp() * decay(seen + b - a) / decay(seen)).clamp(0.0, 1.0)
+}
+
+/// How far, in units of `step`, from `at` (in the frame of a voxel `[0,1]³`) to the voxel's walls.
+fn way_out(at: Vec3, step: Vec3) -> f32 {
+    let wall = Vec3::select(step.cmpgt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO);
+    let along = (wall - at) / step;
+    let along = Vec3::select(along.is_nan_mask() | step.cmpeq(Vec3::ZERO), Vec3::INFINITY, along);
+    let out = along.min_element().max(0.0);
+    if out.is_finite() { out } else { 0.0 }
+}
+
+/// The colour of the surface below a voxel, where the coat wears it.
+fn surface_colour(scene: &Scene, coat: &Coat, seen: &SeenVoxel, u: Vec3, edge: f32) -> Vec3 {
+    if !coat.wears_material {
+        return Vec3::ONE;
+    }
+    let index = scene.patch_index(seen.key.patch);
+    let patch = &coat.skin.patches[index];
+    let Some(material) = scene.materials.get(patch.material.0 as usize) else { return Vec3::ONE };
+    let Some(uvs) = coat.skin.uvs.as_ref().and_then(|uvs| uvs.get(index)) else { return material.base_color };
+    let [a, b, c, d] = *uvs;
+    let prism = patch.is_prism();
+    let uv = if prism { a + u.x * (b - a) + u.y * (c - a) } else { a.lerp(b, u.x).lerp(c.lerp(d, u.x), u.y) };
+    // A voxel's edge in units of uv: box units per texel unit are one over the lattice's axes.
+    let per_texel = |along: Vec2, axis: Vec2| along.length() / axis.length().max(f32::MIN_POSITIVE);
+    let footprint = edge * per_texel(b - a, patch.lattice.u).max(per_texel(c - a, patch.lattice.v));
+    scene.colour_of(material, uv, footprint)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reflection_conserves_energy() {
+        // ∫ specular cos dω over the hemisphere, seen along the normal, by the midpoint rule: at most k_s, and
+        // not far below it for a narrow lobe.
+        for (exponent, least) in [(2.0, 0.55), (20.0, 0.85), (400.0, 0.97)] {
+            let (n, m) = (2000, 64);
+            let mut albedo = 0.0_f64;
+            for i in 0..n {
+                let cosine = (i as f32 + 0.5) / n as f32;
+                for j in 0..m {
+                    let (sin, cos) = (j as f32 / m as f32 * 2.0 * PI).sin_cos();
+                    let s = (1.0 - cosine * cosine).sqrt();
+                    let to_light = Vec3::new(s * cos, s * sin, cosine);
+                    let half = (Vec3::Z + to_light).normalize();
+                    albedo += f64::from(reflection(Vec3::ZERO, 1.0, exponent, Vec3::Z, to_light, half).x);
+                }
+            }
+            albedo *= 2.0 * std::f64::consts::PI / f64::from(n * m);
+            assert!(albedo <= 1.001 && albedo >= least, "exponent {exponent}: albedo {albedo}");
+        }
+    }
+
+    #[test]
+    fn own_shadow_is_the_mean_over_what_is_seen() {
+        // Depth τ = 2 along the view; the light's depth grows from 0.3 at entry to 1.5 at exit:
+        // ∫ e^−2x e^−(.3 + 1.2 x) dx / ∫ e^−2x dx, by the midpoint rule.
+        let n = 10_000;
+        let (mut lit, mut seen) = (0.0_f64, 0.0_f64);
+        for i in 0..n {
+            let x = (f64::from(i) + 0.5) / f64::from(n);
+            lit += (-2.0 * x - 0.3 - 1.2 * x).exp();
+            seen += (-2.0 * x).exp();
+        }
+        assert!((f64::from(own_shadow([0.3, 1.5], 2.0)) - lit / seen).abs() < 1e-5);
+        assert_eq!(own_shadow([0.0, 0.0], 3.0), 1.0);
+    }
+
+    #[test]
+    fn the_way_out_of_a_voxel() {
+        assert_eq!(way_out(Vec3::new(0.25, 0.5, 0.5), Vec3::new(1.0, 0.0, 0.0)), 0.75);
+        assert_eq!(way_out(Vec3::splat(0.5), Vec3::new(-2.0, 1.0, 0.0)), 0.25);
+        assert_eq!(way_out(Vec3::splat(0.5), Vec3::ZERO), 0.0);
+    }
+}

@@ -1,0 +1,234 @@
+//! From a scene to a picture: tiles on the current rayon pool, each pixel a pure function of its place.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use crate::cone::composite::{SeenVoxel, View};
+use crate::cone::shade::Shader;
+use crate::{Camera, Film, Pixel, Rays, Rect, Scene, Settings};
+
+/// Tiles are this many pixels a side: small enough to share out, large enough that neighbours share what they read.
+const TILE: u32 = 16;
+
+/// How far a rendering is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Tiles finished.
+    pub done: usize,
+    /// Tiles in all.
+    pub total: usize,
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The progress callback asked to stop; the tiles that were finished are in the film.
+    #[error("cancelled after {done} of {total} tiles")]
+    Cancelled {
+        /// Tiles finished.
+        done: usize,
+        /// Tiles in all.
+        total: usize,
+        /// The finished tiles; the rest is empty.
+        film: Box<Film>,
+    },
+    /// A setting or the camera cannot be used.
+    #[error("{field}: {reason}")]
+    Setting {
+        /// Which one.
+        field: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+/// The largest picture that is rendered, in pixels.
+pub const MAX_PIXELS: u64 = 64 << 20;
+
+/// Renders `scene` as `camera` sees it.
+///
+/// Runs on the rayon pool that it is called in. The picture is the same, bit for bit, for any number of threads, and
+/// a crop is the same as that part of the whole. `progress` is called after each tile, from any thread;
+/// [`ControlFlow::Break`] stops the rendering.
+///
+/// # Errors
+/// Settings that cannot be used, and cancellation, which keeps what is finished.
+pub fn render(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<Film, RenderError> {
+    let window = check(camera, settings)?;
+    let columns = window.width.div_ceil(TILE);
+    let rows = window.height.div_ceil(TILE);
+    let total = columns as usize * rows as usize;
+    let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+
+    let tiles: Vec<Option<(Rect, Vec<Pixel>)>> = (0..total as u32)
+        .into_par_iter()
+        .map_init(Default::default, |(view, shader): &mut (View, Shader), i| {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let (x, y) = (window.x + i % columns * TILE, window.y + i / columns * TILE);
+            let tile = Rect {
+                x,
+                y,
+                width: TILE.min(window.x + window.width - x),
+                height: TILE.min(window.y + window.height - y),
+            };
+            let pixels = (0..tile.area() as u32)
+                .map(|p| pixel(scene, camera, settings, [x + p % tile.width, y + p / tile.width], view, shader))
+                .collect();
+            let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+            if progress(Progress { done, total }).is_break() {
+                stop.store(true, Ordering::Relaxed);
+            }
+            Some((tile, pixels))
+        })
+        .collect();
+
+    let mut film = Film::new(settings.size, window);
+    for (tile, pixels) in tiles.into_iter().flatten() {
+        film.paste(tile, &pixels);
+    }
+    let done = done.into_inner();
+    if done < total {
+        return Err(RenderError::Cancelled { done, total, film: Box::new(film) });
+    }
+    Ok(film)
+}
+
+/// The part of the picture to render, if everything can be used.
+fn check(camera: &Camera, settings: &Settings) -> Result<Rect, RenderError> {
+    let bad = |field, reason: String| Err(RenderError::Setting { field, reason });
+    let [width, height] = settings.size;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 || pixels > MAX_PIXELS {
+        return bad("size", format!("{width}x{height} pixels; from 1 to {MAX_PIXELS} in all are possible"));
+    }
+    let window = settings.crop.unwrap_or(Rect::whole(settings.size));
+    let ends = |start: u32, length: u32| start.checked_add(length);
+    if window.area() == 0
+        || ends(window.x, window.width).is_none_or(|end| end > width)
+        || ends(window.y, window.height).is_none_or(|end| end > height)
+    {
+        return bad("crop", format!("{window:?} is not inside a picture of {width}x{height} pixels"));
+    }
+    if !(camera.position.is_finite() && camera.orientation.is_finite()) {
+        return bad("camera", "its place or orientation is not finite".into());
+    }
+    if !(camera.vertical_fov > 0.0 && camera.vertical_fov < std::f32::consts::PI) {
+        return bad("camera", format!("an angle of view of {} radians; it must lie in (0, π)", camera.vertical_fov));
+    }
+    let positive = |x: f32| x > 0.0 && x.is_finite();
+    if !positive(settings.path_tolerance) {
+        return bad("path_tolerance", format!("{} voxels; it must be positive", settings.path_tolerance));
+    }
+    if !(settings.min_transmittance >= 0.0 && settings.min_transmittance < 1.0) {
+        return bad("min_transmittance", format!("{}; it must lie in [0, 1)", settings.min_transmittance));
+    }
+    Ok(window)
+}
+
+fn pixel(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    [x, y]: [u32; 2],
+    view: &mut View,
+    shader: &mut Shader,
+) -> Pixel {
+    view.clear();
+    let corner = Vec2::new(x as f32, y as f32);
+    let offsets = offsets(settings.rays);
+    let share = 1.0 / offsets.len() as f32;
+    let mut background = 0.0;
+    for &offset in offsets {
+        let (ray, cone) = camera.cone(corner + Vec2::from_array(offset), settings.size);
+        background += view.trace(scene, settings, &ray, &cone, share);
+    }
+    view.merge();
+
+    let mut color = Vec3::ZERO;
+    for seen in &view.surfaces {
+        color += seen.weight * shader.surface(scene, settings, seen);
+    }
+    // The heaviest voxels are lit one by one; what little the others add is lit as those are in the mean.
+    let (heavy, light) = view.voxels.split_at(view.voxels.len().min(settings.lit_voxels.max(1) as usize));
+    let weight = |voxels: &[SeenVoxel]| voxels.iter().map(|v| v.weight).sum::<f32>();
+    let lit: Vec3 = heavy.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum();
+    color += lit;
+    if !light.is_empty() {
+        color += weight(light) / weight(heavy) * lit;
+    }
+
+    let alpha = (1.0 - background).clamp(0.0, 1.0);
+    Pixel { color, alpha, depth: median_depth(camera, view, alpha) }
+}
+
+/// The depth along the view axis at which half of what is visible lies in front.
+fn median_depth(camera: &Camera, view: &View, alpha: f32) -> f32 {
+    let forward = camera.forward();
+    let mut layers: Vec<(f32, f32)> = view
+        .voxels
+        .iter()
+        .map(|v| (v.t * v.direction.dot(forward), v.weight))
+        .chain(view.surfaces.iter().map(|s| (s.hit.t as f32 * s.direction.dot(forward), s.weight)))
+        .collect();
+    layers.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut before = 0.0;
+    for (depth, weight) in layers {
+        before += weight;
+        if before >= 0.5 * alpha {
+            return depth;
+        }
+    }
+    f32::INFINITY
+}
+
+/// Where in a pixel its rays go.
+fn offsets(rays: Rays) -> &'static [[f32; 2]] {
+    // Rotated grids: as many different columns and rows as rays, so that nearly level edges are smooth too.
+    const FOUR: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+    const SIXTEEN: [[f32; 2]; 16] = {
+        let mut points = [[0.0; 2]; 16];
+        let mut i = 0;
+        while i < 16 {
+            let (column, row) = ((i % 4) as f32, (i / 4) as f32);
+            points[i] = [(column + (row + 0.5) / 4.0) / 4.0, (row + (3.0 - column + 0.5) / 4.0) / 4.0];
+            i += 1;
+        }
+        points
+    };
+    match rays {
+        Rays::One => &[[0.5, 0.5]],
+        Rays::Four => &FOUR,
+        Rays::Sixteen => &SIXTEEN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ray_patterns_are_latin_and_centred() {
+        for rays in [Rays::One, Rays::Four, Rays::Sixteen] {
+            let points = offsets(rays);
+            let n = points.len();
+            assert_eq!(n, rays.count());
+            for axis in [0, 1] {
+                let mut rows: Vec<usize> = points.iter().map(|p| (p[axis] * n as f32) as usize).collect();
+                rows.sort_unstable();
+                assert_eq!(rows, (0..n).collect::<Vec<_>>());
+                let mean: f32 = points.iter().map(|p| p[axis]).sum::<f32>() / n as f32;
+                assert!((mean - 0.5).abs() < 1e-6);
+            }
+        }
+    }
+}

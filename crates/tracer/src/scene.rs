@@ -1,0 +1,192 @@
+//! The scene in memory: described by plain structs, compiled once, then only read.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use pelage_geom::{Hexahedron, Material, Mesh, MeshError, Texture};
+use pelage_skin::{Patch, Skin};
+use pelage_texel::Texel;
+
+use crate::accel::Accel;
+use crate::surface::Surfaces;
+use crate::{Environment, Light};
+
+/// A skin with the texel that fills its boxes.
+#[derive(Clone, Debug)]
+pub struct Coat {
+    /// The boxes.
+    pub skin: Skin,
+    /// What stands in each of them; shared, never copied.
+    pub texel: Arc<Texel>,
+    /// Multiplies the texel's colours.
+    pub tint: Vec3,
+    /// Whether the base colour (and texture) of each patch's material multiplies the texel's colours too.
+    pub wears_material: bool,
+}
+
+/// A scene as it is described: what [`Scene::new`] compiles.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Opaque meshes: the surfaces under the skins among them.
+    pub meshes: Vec<Mesh>,
+    /// The dressed skins.
+    pub coats: Vec<Coat>,
+    /// What [`pelage_geom::MaterialId`]s index.
+    pub materials: Vec<Material>,
+    /// What [`pelage_geom::TextureId`]s index.
+    pub textures: Vec<Texture>,
+    /// Lights with a place or a direction.
+    pub lights: Vec<Light>,
+    /// The light of the surroundings.
+    pub environment: Environment,
+}
+
+/// What makes a description unusable.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A mesh is unusable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A box of a skin is not finite.
+    #[error("coat {coat}, patch {patch}: a corner of the box is not a finite number")]
+    NonFiniteBox {
+        /// Which coat.
+        coat: usize,
+        /// Which patch of its skin.
+        patch: usize,
+    },
+    /// A light holds a number that is not finite, or a direction without length.
+    #[error("light {light} is not usable: {reason}")]
+    Light {
+        /// Which light.
+        light: usize,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// There are more boxes than a `u32` counts.
+    #[error("the coats have {count} boxes in all; {limit} is the most")]
+    TooManyBoxes {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+}
+
+/// A compiled scene: immutable, shared by all threads.
+pub struct Scene {
+    pub(crate) coats: Vec<Coat>,
+    /// Number of the first box of each coat, and one past the last.
+    first_box: Vec<u32>,
+    pub(crate) boxes: Accel,
+    pub(crate) surfaces: Surfaces,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    pub(crate) lights: Vec<Light>,
+    pub(crate) environment: Environment,
+    /// How far a coat reaches from its surface at most, in scene units.
+    pub(crate) reach: f32,
+    bounds: Option<[Vec3; 2]>,
+}
+
+impl Scene {
+    /// Checks the description and builds the trees over boxes and triangles.
+    ///
+    /// # Errors
+    /// The first thing found that cannot be rendered, with its index.
+    pub fn new(description: Description) -> Result<Self, SceneError> {
+        let Description { meshes, coats, materials, textures, lights, environment } = description;
+        for mesh in &meshes {
+            mesh.validate()?;
+        }
+        for (light, l) in lights.iter().enumerate() {
+            l.check().map_err(|reason| SceneError::Light { light, reason })?;
+        }
+        let mut first_box = vec![0_u32];
+        let mut box_bounds = vec![];
+        let mut reach = 0.0_f32;
+        for (coat, c) in coats.iter().enumerate() {
+            for patch in 0..c.skin.patches.len() {
+                let [lo, hi] = c.skin.bounds(patch);
+                if !(lo.is_finite() && hi.is_finite()) {
+                    return Err(SceneError::NonFiniteBox { coat, patch });
+                }
+                box_bounds.push([lo, hi]);
+            }
+            for (base, top) in c.skin.base.iter().zip(&c.skin.top) {
+                reach = reach.max(base.distance(*top));
+            }
+            let count = box_bounds.len();
+            // The tree's own indices are 32 bits wide, a few of them for flags.
+            let limit = 1 << 28;
+            if count > limit {
+                return Err(SceneError::TooManyBoxes { count, limit });
+            }
+            first_box.push(count as u32);
+        }
+        let bounds = meshes
+            .iter()
+            .filter_map(Mesh::bounds)
+            .chain(box_bounds.iter().copied())
+            .reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)]);
+        Ok(Self {
+            boxes: Accel::new(&box_bounds),
+            surfaces: Surfaces::new(&meshes),
+            coats,
+            first_box,
+            materials,
+            textures,
+            lights,
+            environment,
+            reach,
+            bounds,
+        })
+    }
+
+    /// The smallest and largest coordinates of everything, or `None` for an empty scene.
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        self.bounds
+    }
+
+    /// How many boxes stand in the scene.
+    pub fn box_count(&self) -> usize {
+        self.first_box.last().map_or(0, |&n| n as usize)
+    }
+
+    /// How many opaque triangles there are.
+    pub fn triangle_count(&self) -> usize {
+        self.surfaces.len()
+    }
+
+    fn coat_index(&self, patch: u32) -> usize {
+        self.first_box.partition_point(|&first| first <= patch) - 1
+    }
+
+    /// The place of a box among the patches of its own coat.
+    pub(crate) fn patch_index(&self, patch: u32) -> usize {
+        (patch - self.first_box[self.coat_index(patch)]) as usize
+    }
+
+    /// The coat and the patch of a box.
+    pub(crate) fn patch(&self, patch: u32) -> (&Coat, &Patch) {
+        let coat = &self.coats[self.coat_index(patch)];
+        (coat, &coat.skin.patches[self.patch_index(patch)])
+    }
+
+    /// The bent box of a patch.
+    pub(crate) fn hexahedron(&self, patch: u32) -> Hexahedron {
+        self.coats[self.coat_index(patch)].skin.hexahedron(self.patch_index(patch))
+    }
+
+    /// Diffuse albedo of a material at `uv`, averaged over `footprint` units of uv.
+    pub(crate) fn colour_of(&self, material: &Material, uv: Vec2, footprint: f32) -> Vec3 {
+        let texture = material.base_color_texture.and_then(|id| self.textures.get(id.0 as usize));
+        material.base_color * texture.map_or(Vec3::ONE, |texture| texture.sample(uv, footprint))
+    }
+
+    /// By how much a point on a surface may lie off it, in scene units: a part of the largest coordinate that
+    /// is far above the rounding of `f64` and far below anything seen.
+    pub(crate) fn rounding(&self) -> f64 {
+        self.bounds.map_or(0.0, |[lo, hi]| 1e-8 * f64::from(lo.abs().max(hi.abs()).max_element()))
+    }
+}

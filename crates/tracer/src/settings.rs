@@ -1,0 +1,108 @@
+//! What a user may choose about a rendering.
+
+use pelage_geom::Footprint;
+
+use crate::Rect;
+
+/// How a cone goes through a bent box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Path {
+    /// Along the true curve, in chords (the default).
+    #[default]
+    Curved,
+    /// Straight from entry to exit in texel space: the paper's *parcours linéaire*, kept to compare with.
+    Straight,
+}
+
+/// Which level of the texel a cone reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lod {
+    /// From the cone's footprint, blended between two levels.
+    Footprint(Footprint),
+    /// Always the level with `2^n` voxels a side (or the texel's finest).
+    Level(u32),
+}
+
+impl Default for Lod {
+    fn default() -> Self {
+        Self::Footprint(Footprint::Auto)
+    }
+}
+
+/// How optical depth τ becomes opacity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Opacity {
+    /// 1 − e^−τ (the default).
+    #[default]
+    Exponential,
+    /// min(1, τ), the paper's. [seed §6.1a]
+    Linear,
+}
+
+/// Rays a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Rays {
+    /// One, through the centre.
+    One,
+    /// 2 × 2, on a rotated grid (the default).
+    #[default]
+    Four,
+    /// 4 × 4.
+    Sixteen,
+}
+
+impl Rays {
+    /// How many.
+    pub fn count(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Four => 4,
+            Self::Sixteen => 16,
+        }
+    }
+}
+
+/// Everything that a user may choose about a rendering. The defaults are what looks right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Width and height of the whole picture, in pixels.
+    pub size: [u32; 2],
+    /// The part to render; `None` is all.
+    pub crop: Option<Rect>,
+    /// Rays a pixel; their voxels are merged before shading.
+    pub rays: Rays,
+    /// Through the boxes, curved or straight.
+    pub path: Path,
+    /// Which level.
+    pub lod: Lod,
+    /// How depth becomes opacity.
+    pub opacity: Opacity,
+    /// How far a chord may leave the true curve, in voxels of the level in use.
+    pub path_tolerance: f32,
+    /// A ray ends where it has less than this transmittance left: the most that any pixel can lose by it.
+    pub min_transmittance: f32,
+    /// Normals taken of each visible voxel's ellipsoid.
+    pub normals: u32,
+    /// At most this many voxels of a pixel are lit on their own, the heaviest; the rest take their mean.
+    pub lit_voxels: u32,
+    /// Whether voxels and surfaces are shadowed.
+    pub shadows: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            size: [1280, 720],
+            crop: None,
+            rays: Rays::Four,
+            path: Path::Curved,
+            lod: Lod::default(),
+            opacity: Opacity::Exponential,
+            path_tolerance: 0.1,
+            min_transmittance: 1.0 / 512.0,
+            normals: 8,
+            lit_voxels: 8,
+            shadows: true,
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Opaque meshes: where a ray meets their triangles, exactly between neighbours.
+
+use glam::{DVec3, Vec2, Vec3};
+use pelage_geom::{MaterialId, Mesh, Ray};
+
+use crate::accel::Accel;
+
+/// All opaque triangles of a scene.
+pub(crate) struct Surfaces {
+    accel: Accel,
+    triangles: Vec<Triangle>,
+}
+
+struct Triangle {
+    corners: [Vec3; 3],
+    normals: [Vec3; 3],
+    uvs: [Vec2; 3],
+    material: MaterialId,
+    mesh: u32,
+}
+
+/// A point of an opaque surface, as a ray found it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceHit {
+    /// Distance along the ray, in scene units.
+    pub t: f64,
+    /// Where, in scene space.
+    pub point: DVec3,
+    /// The triangle's own normal, unit length, on the side it winds counter-clockwise.
+    pub geometric_normal: Vec3,
+    /// The interpolated shading normal, unit length, on the same side.
+    pub normal: Vec3,
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Units of uv per scene unit there.
+    pub uv_density: f32,
+    /// What the surface is made of.
+    pub material: MaterialId,
+    /// Which mesh of the scene.
+    pub mesh: u32,
+}
+
+impl Surfaces {
+    /// Collects the triangles of all meshes; a quad is cut along its shorter diagonal.
+    pub(crate) fn new(meshes: &[Mesh]) -> Self {
+        let triangles: Vec<Triangle> = meshes
+            .iter()
+            .enumerate()
+            .flat_map(|(m, mesh)| (0..mesh.faces.len()).flat_map(move |f| triangles_of(mesh, m as u32, f)))
+            .collect();
+        let bounds: Vec<_> = triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.corners;
+                [a.min(b).min(c), a.max(b).max(c)]
+            })
+            .collect();
+        Self { accel: Accel::new(&bounds), triangles }
+    }
+
+    /// How many triangles there are.
+    pub(crate) fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// The first surface along the ray before `t_max`.
+    pub(crate) fn closest(&self, ray: &Ray, t_max: f64) -> Option<SurfaceHit> {
+        let (t, index) = self.accel.closest(ray, t_max, |i, limit| {
+            intersect(&self.triangles[i as usize].corners, ray, limit).map(|(t, _)| t)
+        })?;
+        let triangle = &self.triangles[index as usize];
+        let (_, weights) = intersect(&triangle.corners, ray, f64::INFINITY)?;
+        Some(triangle.hit(ray.at(t), t, weights))
+    }
+
+    /// Whether a surface is in the way before `t_max`.
+    pub(crate) fn blocked(&self, ray: &Ray, t_max: f64) -> bool {
+        self.accel.any(ray, t_max, |i, limit| {
+            intersect(&self.triangles[i as usize].corners, ray, limit).map(|(t, _)| t)
+        })
+    }
+}
+
+impl Triangle {
+    fn hit(&self, point: DVec3, t: f64, weights: Vec3) -> SurfaceHit {
+        let [a, b, c] = self.corners;
+        let area = (b - a).cross(c - a);
+        let geometric_normal = area.normalize_or(Vec3::Y);
+        let mix = weights.x * self.normals[0] + weights.y * self.normals[1] + weights.z * self.normals[2];
+        let normal = mix.normalize_or(geometric_normal);
+        let [p, q, r] = self.uvs;
+        let uv_area = (q - p).perp_dot(r - p).abs();
+        SurfaceHit {
+            t,
+            point,
+            geometric_normal,
+            // A normal on the other side (files have them) would turn the surface inside out.
+            normal: if normal.dot(geometric_normal) < 0.0 { -normal } else { normal },
+            uv: weights.x * p + weights.y * q + weights.z * r,
+            uv_density: (uv_area / area.length().max(f32::MIN_POSITIVE)).sqrt(),
+            material: self.material,
+            mesh: self.mesh,
+        }
+    }
+}
+
+fn triangles_of(mesh: &Mesh, index: u32, f: usize) -> impl Iterator<Item = Triangle> + '_ {
+    let face = &mesh.faces[f];
+    let p = |i: usize| mesh.positions[face.vertices[i] as usize];
+    let halves: &[[usize; 3]] = if !face.is_quad() {
+        &[[0, 1, 2]]
+    } else if p(0).distance_squared(p(2)) <= p(1).distance_squared(p(3)) {
+        &[[0, 1, 2], [0, 2, 3]]
+    } else {
+        &[[0, 1, 3], [1, 2, 3]]
+    };
+    halves.iter().map(move |corner| {
+        let corners = corner.map(p);
+        let flat = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Y);
+        Triangle {
+            corners,
+            normals: mesh.normals.as_ref().map_or([flat; 3], |n| corner.map(|i| n[f][i])),
+            uvs: mesh.uvs.as_ref().map_or([Vec2::ZERO; 3], |uv| corner.map(|i| uv[f][i])),
+            material: face.material,
+            mesh: index,
+        }
+    })
+}
+
+/// Where the ray meets the triangle before `limit`: distance and barycentric weights.
+///
+/// Each edge is asked, in `f64` and from its two corners alone, on which side the ray passes; the answers of the
+/// two triangles at an edge are exact opposites, so no ray falls between them. [seed §4.1, the mixed product]
+fn intersect(corners: &[Vec3; 3], ray: &Ray, limit: f64) -> Option<(f64, Vec3)> {
+    let [a, b, c] = corners.map(|p| p.as_dvec3() - ray.origin);
+    let d = ray.direction;
+    let (u, v, w) = (d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b)));
+    if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+        return None;
+    }
+    let sum = u + v + w;
+    if sum == 0.0 {
+        return None; // seen edge-on, or without area
+    }
+    // The point in the plane, from the weights of the corners' own distances along the ray.
+    let t = (u * a.dot(d) + v * b.dot(d) + w * c.dot(d)) / sum;
+    (t > 0.0 && t < limit).then(|| (t, (DVec3::new(u, v, w) / sum).as_vec3()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pelage_geom::Face;
+
+    #[test]
+    fn hit_distance_and_weights() {
+        // The ray down at (0.25, 0.25) meets the unit triangle in the plane y = 0 after 2, at weights ½, ¼, ¼.
+        let corners = [Vec3::ZERO, Vec3::Z, Vec3::X];
+        let ray = Ray { origin: DVec3::new(0.25, 2.0, 0.25), direction: -DVec3::Y };
+        let (t, weights) = intersect(&corners, &ray, 10.0).expect("a hit");
+        assert!((t - 2.0).abs() < 1e-12);
+        assert!((weights - Vec3::new(0.5, 0.25, 0.25)).length() < 1e-6);
+        assert!(intersect(&corners, &ray, 1.9).is_none());
+        assert!(intersect(&corners, &Ray { direction: DVec3::Y, ..ray }, 10.0).is_none());
+        assert!(intersect(&corners, &Ray { direction: DVec3::X, ..ray }, 10.0).is_none());
+    }
+
+    #[test]
+    fn no_ray_falls_through_a_bumpy_sheet() {
+        // A closed 32 × 32 height field; rays aimed exactly at its vertices and edges must hit something.
+        let n = 32_u32;
+        let height = |i: u32, j: u32| 0.3 * ((i * 7 + j * 13) % 5) as f32;
+        let positions =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| Vec3::new(i as f32, height(i, j), j as f32))).collect();
+        let quad = |i: u32, j: u32| {
+            let v = |i: u32, j: u32| j * (n + 1) + i;
+            Face::quad([v(i, j), v(i, j + 1), v(i + 1, j + 1), v(i + 1, j)], MaterialId(0))
+        };
+        let faces = (0..n * n).map(|k| quad(k % n, k / n)).collect();
+        let mesh = Mesh { name: "sheet".into(), positions, faces, uvs: None, normals: None };
+        let surfaces = Surfaces::new(std::slice::from_ref(&mesh));
+        let mut hits = 0;
+        for k in 0..20_000_u32 {
+            let (i, j) = (1 + k % (n - 1), 1 + (k / 31) % (n - 1));
+            let along = f64::from(k % 97) / 97.0;
+            let a = mesh.positions[(j * (n + 1) + i) as usize].as_dvec3();
+            let b = mesh.positions[(j * (n + 1) + i + 1 - 2 * (k % 2)) as usize].as_dvec3();
+            let origin = DVec3::new(f64::from(k % 41) * 0.7, 50.0, f64::from(k % 29));
+            let direction = (a + along * (b - a) - origin).normalize();
+            hits += u32::from(surfaces.closest(&Ray { origin, direction }, f64::INFINITY).is_some());
+        }
+        assert_eq!(hits, 20_000);
+    }
+}
