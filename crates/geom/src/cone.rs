@@ -57,3 +57,45 @@ pub fn texel_footprint(rule: Footprint, jacobian: &Mat3, direction: Vec3, width:
     };
     if side > 0.0 { width / side } else { f32::INFINITY }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_its_share_of_the_picture() {
+        // 90° of view: at depth 1 the picture is 2 tall, so each of 100 rows is 0.02.
+        let cone = Cone::pixel(core::f64::consts::FRAC_PI_2, 100, 1.0);
+        assert!((cone.width(1.0) - 0.02).abs() < 1e-15 && (cone.width(50.0) - 1.0).abs() < 1e-13);
+        // A ray at 60° to the axis is at depth ½ after a distance of 1.
+        let aside = Cone::pixel(core::f64::consts::FRAC_PI_2, 100, 0.5);
+        assert!((aside.width(1.0) - 0.01).abs() < 1e-15);
+        assert_eq!(Cone { width: 1.0, spread: -2.0 }.width(3.0), 0.0);
+    }
+
+    #[test]
+    fn rules_of_a_box_that_is_not_a_cube() {
+        let j = Mat3::from_diagonal(Vec3::new(2.0, 8.0, 1.0));
+        assert_eq!(texel_footprint(Footprint::Sharp, &j, Vec3::Z, 4.0), 0.5);
+        assert_eq!(texel_footprint(Footprint::Smooth, &j, Vec3::Z, 4.0), 4.0);
+        // Along z the cross-section is divided by 2 and by 8: the square root of 1/16.
+        assert_eq!(texel_footprint(Footprint::Auto, &j, Vec3::Z, 4.0), 1.0);
+        let flat = Mat3::from_diagonal(Vec3::new(1.0, 0.0, 1.0));
+        assert_eq!(texel_footprint(Footprint::Auto, &flat, Vec3::Z, 1.0), f32::INFINITY);
+    }
+
+    #[test]
+    fn auto_is_the_beam_s_cross_section() {
+        // A sheared box: the beam's outline in texel space, projected along its own direction there.
+        let j =
+            Mat3::from_cols(Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.7, 2.0, 0.1), Vec3::new(-0.4, 0.9, 0.5));
+        let direction = Vec3::new(0.3, -0.5, 0.8).normalize();
+        let (x, y) = direction.any_orthonormal_pair();
+        let inverse = j.inverse();
+        let along = (inverse * direction).normalize();
+        let across = |p: Vec3| inverse * p - along * along.dot(inverse * p);
+        let area = across(x).cross(across(y)).length();
+        let footprint = texel_footprint(Footprint::Auto, &j, direction, 1.0);
+        assert!((footprint - area.sqrt()).abs() < 1e-5 * footprint, "{footprint} {}", area.sqrt());
+    }
+}

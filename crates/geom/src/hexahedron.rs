@@ -189,18 +189,20 @@ impl Hexahedron {
     ///
     /// A camera in the box gets a passage that starts at `t_min`. Where a passage ends on the surface, its
     /// coordinates are those of the wall's closed form; where it is cut they are found by inversion. Two boxes that
-    /// share a face give the same bits for the distance of a crossing there. A box without volume, or seen
-    /// edge-on, has no passage.
+    /// share a face give the same bits for the distance of a crossing there. A box without volume has passages as
+    /// long as rounding makes them, or none; one with corners that are not finite has none.
     pub fn passages(&self, ray: &Ray, t_min: f64, t_max: f64) -> Passages {
         let frame = RayFrame::new(ray);
         let corners = self.map.corners.map(|c| frame.project(c));
         let (mut left, mut right, mut below) = (0_u8, 0_u8, 0_u8);
         let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut sum = DVec3::ZERO;
         let all = if self.prism { PRISM_CORNERS } else { CUBOID_CORNERS };
         for (i, c) in corners.iter().enumerate() {
             left |= u8::from(c.x < 0.0) << i;
             right |= u8::from(c.x > 0.0) << i;
             below |= u8::from(c.y < 0.0) << i;
+            sum += *c;
             if all >> i & 1 != 0 {
                 nearest = nearest.min(c.z);
                 farthest = farthest.max(c.z);
@@ -210,7 +212,7 @@ impl Hexahedron {
         let aside = |mask: u8| {
             left & mask == mask || right & mask == mask || below & mask == mask || below & mask == 0
         };
-        if aside(all) || !(nearest <= t_max && farthest >= t_min) {
+        if aside(all) || !(nearest <= t_max && farthest >= t_min && sum.is_finite()) {
             return Passages::NONE;
         }
 

@@ -41,7 +41,8 @@ const HALVINGS: usize = 10;
 macro_rules! inverse {
     ($name:ident, $scalar:ty, $vec:ty, $wide:ident) => {
         impl $name {
-            /// The coordinates in `[0,1]³` of the scene point `x`, found from the centre of the box.
+            /// The coordinates in `[0,1]³` of the scene point `x`, found from the centre of the box; where that
+            /// fails, and `x` is within the corners' bounds, from the centres of its octants.
             ///
             /// `tolerance` is the distance by which T(u) may miss `x`, relative to the diagonal of the box's bounds;
             /// coordinates outside `[0,1]` by no more than `tolerance` are inside, and are clamped.
@@ -49,7 +50,17 @@ macro_rules! inverse {
             /// # Errors
             /// See [`InverseError`]. In a box that is folded a point may be missed although it has coordinates.
             pub fn inverse(&self, x: $vec, tolerance: $scalar) -> Result<$vec, InverseError> {
-                self.inverse_from(x, <$vec>::splat(0.5), tolerance)
+                let found = self.inverse_from(x, <$vec>::splat(0.5), tolerance);
+                let [lo, hi] = self.bounds();
+                if found.is_ok() || x.clamp(lo, hi) != x {
+                    return found;
+                }
+                // Outside a strongly bent box its extrapolation folds, and Newton may slip into the fold.
+                let octants = Self::identity().corners.map(|corner| 0.25 + 0.5 * corner);
+                octants
+                    .iter()
+                    .find_map(|&start| self.inverse_from(x, start, tolerance).ok())
+                    .map_or(found, Ok)
             }
 
             /// The same as [`Self::inverse`], found from the coordinates `start`.

@@ -81,3 +81,66 @@ impl From<Trilinear> for DTrilinear {
         Self { corners: map.corners.map(|c| c.as_dvec3()) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn boxes() -> impl Strategy<Value = DTrilinear> {
+        proptest::array::uniform8(proptest::array::uniform3(-4.0_f64..4.0))
+            .prop_map(|corners| DTrilinear { corners: corners.map(DVec3::from_array) })
+    }
+
+    fn coordinates() -> impl Strategy<Value = DVec3> {
+        proptest::array::uniform3(0.0_f64..=1.0).prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        #[test]
+        fn the_jacobian_is_the_derivative(map in boxes(), u in coordinates()) {
+            let j = map.jacobian(u);
+            let h = 1e-3;
+            for (axis, column) in [(DVec3::X, j.x_axis), (DVec3::Y, j.y_axis), (DVec3::Z, j.z_axis)] {
+                // The map is linear along each axis: the central difference is exact.
+                let difference = (map.point(u + h * axis) - map.point(u - h * axis)) / (2.0 * h);
+                prop_assert!(difference.distance(column) < 1e-10);
+            }
+        }
+
+        #[test]
+        fn points_stay_within_the_bounds(map in boxes(), u in coordinates()) {
+            let ([lo, hi], p) = (map.bounds(), map.point(u));
+            prop_assert!((p - p.clamp(lo, hi)).abs().max_element() < 1e-14);
+        }
+
+        #[test]
+        fn it_is_the_paper_s_formula(map in boxes(), p in coordinates()) {
+            let [a, b, c, d, e, f, g, h] = map.corners;
+            let [u, v, w] = p.to_array();
+            let base = (1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d);
+            let top = (1.0 - v) * ((1.0 - u) * e + u * f) + v * ((1.0 - u) * g + u * h);
+            prop_assert!(map.point(p).distance((1.0 - w) * base + w * top) < 1e-13);
+        }
+    }
+
+    #[test]
+    fn corners_are_exact() {
+        let map = Trilinear { corners: core::array::from_fn(|i| Vec3::new(0.1, 0.7, 1.3) * i as f32 + 1e3) };
+        for (i, &corner) in map.corners.iter().enumerate() {
+            assert_eq!(map.point(Trilinear::identity().corners[i]), corner);
+        }
+    }
+
+    #[test]
+    fn a_stretched_cube() {
+        let mut map = Trilinear::identity();
+        for c in &mut map.corners {
+            *c *= Vec3::new(2.0, 3.0, 4.0);
+        }
+        assert_eq!(map.sides(), Vec3::new(2.0, 3.0, 4.0));
+        assert_eq!(map.determinant(Vec3::splat(0.2)), 24.0);
+        assert_eq!(map.bounds(), [Vec3::ZERO, Vec3::new(2.0, 3.0, 4.0)]);
+    }
+}

@@ -10,20 +10,22 @@ use pelage_geom::Face;
 use rayon::prelude::*;
 
 use crate::polygon::{Polygon, Surface};
+use crate::quad;
 use crate::{Lattice, Layout, Patch, Report, SkinOptions};
 
 /// Texel coordinates nearer than this to a whole number are that number, in copies of the texel: far less than a
 /// voxel, and enough for the rounding of `f32` texture coordinates, so that borders between copies coincide with
-/// edges instead of cutting slivers off the patches.
+/// edges instead of cutting slivers off the patches. A patch thinner than this has no area.
 const SNAP: f64 = 1.0 / 65536.0;
 
-/// Corners whose sine is below this have no angle: the map of a box would be singular there.
-const SMALLEST_SINE: f64 = 1e-3;
+/// Most copies of the texel along a side of a patch: beyond it, an `f32` no longer tells the voxels of a texel of
+/// 128³ apart.
+const MOST_COPIES: f64 = 65536.0;
 
-/// Where a corner's texel coordinates come from.
+/// Where texel coordinates come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Plan {
-    /// Texture coordinates times `tiling`; `copy_width` (metres) serves patches whose coordinates have no area.
+    /// Texture coordinates times `tiling`; `copy_width` (metres) serves where they are of no use.
     Uv { tiling: f64, copy_width: f64 },
     /// `copies` along each side of a quad.
     PerPatch { copies: f64 },
@@ -46,10 +48,18 @@ struct Dressed {
     split: Option<Split>,
 }
 
+/// A lattice before it is shifted and rounded.
+#[derive(Clone, Copy)]
+struct Affine {
+    origin: DVec2,
+    u: DVec2,
+    v: DVec2,
+}
+
 impl Plan {
     /// Resolves layout and tiling for `surface`; `uvs` says whether the mesh has texture coordinates.
     pub fn new(surface: &Surface, uvs: bool, options: &SkinOptions) -> Self {
-        let copies = f64::from(options.tiling.unwrap_or(1.0)).round().max(1.0);
+        let copies = f64::from(options.tiling.unwrap_or(1.0)).round().clamp(1.0, MOST_COPIES);
         if !uvs || options.layout == Layout::PerPatch {
             return Self::PerPatch { copies };
         }
@@ -86,15 +96,42 @@ impl Plan {
         }
     }
 
-    /// Whether texture coordinates at three corners span no area beyond the rounding of their `f32`s.
-    fn no_area(&self, uvs: [Vec2; 3]) -> bool {
-        if matches!(self, Self::PerPatch { .. }) {
-            return false;
-        }
+    /// Whether `lattice`, from texture coordinates `uvs` at A, B, C, can place a texel. Where it cannot, the result
+    /// is the width of a copy, in metres, to go by instead.
+    fn check(&self, lattice: Affine, uvs: [Vec2; 3]) -> Result<(), f64> {
+        let Self::Uv { copy_width, .. } = *self else { return Ok(()) };
         let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
         let (u, v) = (b - a, c - a);
-        let size = [a, b, c].map(|x| x.abs().max_element()).into_iter().fold(0.0, f64::max);
-        u.perp_dot(v).abs() <= f64::from(f32::EPSILON) * size * (u.length() + v.length())
+        let largest = [a, b, c].map(|x| x.abs().max_element()).into_iter().fold(0.0, f64::max);
+        let rounding = f64::from(f32::EPSILON) * largest * (u.length() + v.length());
+        let longest = lattice.u.length().max(lattice.v.length());
+        let usable = u.perp_dot(v).abs() > rounding
+            && lattice.u.perp_dot(lattice.v).abs() > SNAP * longest
+            && longest <= MOST_COPIES;
+        if usable { Ok(()) } else { Err(copy_width) }
+    }
+}
+
+impl Affine {
+    /// Through three corners.
+    fn triangle([a, b, c]: [DVec2; 3]) -> Self {
+        Self { origin: a, u: b - a, v: c - a }
+    }
+
+    /// Through four corners in box order; where they are a little off a parallelogram, all share the error.
+    fn parallelogram([a, b, c, d]: [DVec2; 4]) -> Self {
+        if a + d == b + c {
+            return Self::triangle([a, b, c]);
+        }
+        let (u, v) = (0.5 * (b - a + d - c), 0.5 * (c - a + d - b));
+        Self { origin: 0.25 * (a + b + c + d) - 0.5 * (u + v), u, v }
+    }
+
+    /// Shifts by whole numbers, so that the point at box coordinates (`middle`, `middle`) comes to lie in `[0,1)²`,
+    /// then rounds to `f32`.
+    fn near_zero(self, middle: f64) -> Lattice {
+        let shift = (self.origin + middle * (self.u + self.v)).floor();
+        Lattice { origin: (self.origin - shift).as_vec2(), u: self.u.as_vec2(), v: self.v.as_vec2() }
     }
 }
 
@@ -121,6 +158,7 @@ pub(crate) fn dress(
     dressed.into_iter().map(|d| (d.patch, d.uvs)).unzip()
 }
 
+/// The one or two patches of a polygon.
 fn dress_one(
     polygon: &Polygon,
     surface: &Surface,
@@ -128,49 +166,47 @@ fn dress_one(
     options: &SkinOptions,
 ) -> impl Iterator<Item = Dressed> + use<> {
     let points = polygon.points(&surface.positions);
-    if polygon.vertices[3] == Face::NONE {
-        return [Some(prism(polygon, [0, 1, 2], points, plan, None)), None].into_iter().flatten();
-    }
     let corners = plan.corners(polygon);
     let [a, b, d, c] = corners;
-    let affine = (a + d - b - c).length() <= f64::from(options.affine_tolerance);
-    let split = if concave(points) {
+    let split = if quad::is_concave(points) {
         Some(Split::Concave)
-    } else if options.split_nonplanar.is_some_and(|limit| nonplanarity(points) > f64::from(limit)) {
+    } else if options.split_nonplanar.is_some_and(|limit| quad::nonplanarity(points) > f64::from(limit)) {
         Some(Split::Nonplanar)
-    } else if !affine {
+    } else if (a + d - b - c).length() > f64::from(options.affine_tolerance) {
         Some(Split::Uvs)
     } else {
         None
     };
-    if split.is_none() {
-        return [Some(cuboid(polygon, corners, points, plan)), None].into_iter().flatten();
-    }
-    let [first, second] =
-        if first_diagonal(points) { [[0, 1, 2], [0, 2, 3]] } else { [[1, 2, 3], [1, 3, 0]] };
-    [Some(prism(polygon, first, points, plan, split)), Some(prism(polygon, second, points, plan, None))]
-        .into_iter()
-        .flatten()
+    let [first, second] = if polygon.vertices[3] == Face::NONE {
+        [Some(prism(polygon, [0, 1, 2], points, corners, plan)), None]
+    } else if split.is_none() {
+        [Some(cuboid(polygon, points, corners, plan)), None]
+    } else {
+        let [first, second] = quad::halves(points).map(|pick| prism(polygon, pick, points, corners, plan));
+        [Some(Dressed { split, ..first }), Some(second)]
+    };
+    first.into_iter().chain(second)
 }
 
 /// One box on a quad whose `corners` (around it) are affine.
-fn cuboid(polygon: &Polygon, corners: [DVec2; 4], points: [DVec3; 4], plan: Plan) -> Dressed {
+fn cuboid(polygon: &Polygon, points: [DVec3; 4], corners: [DVec2; 4], plan: Plan) -> Dressed {
+    let box_order = |[a, b, d, c]: [DVec2; 4]| [a, b, c, d];
     let [p0, p1, p2, p3] = polygon.vertices;
     let [t0, t1, t2, t3] = polygon.uvs;
-    let zero_area_uvs = plan.no_area([t0, t1, t2]) && plan.no_area([t0, t2, t3]);
-    let [a, b, d, c] = match plan {
-        Plan::Uv { copy_width, .. } if zero_area_uvs => whole_copies(points, copy_width),
-        _ => corners,
-    };
+    let mut lattice = Affine::parallelogram(box_order(corners));
+    let check = plan.check(lattice, [t0, t1, t3]);
+    if let Err(copy_width) = check {
+        lattice = Affine::parallelogram(box_order(whole_copies(points, copy_width)));
+    }
     Dressed {
         patch: Patch {
             vertices: [p0, p1, p3, p2],
             face: polygon.face,
             material: polygon.material,
-            lattice: parallelogram(a, b, c, d),
+            lattice: lattice.near_zero(0.5),
         },
         uvs: [t0, t1, t3, t2],
-        zero_area_uvs,
+        zero_area_uvs: check.is_err(),
         split: None,
     }
 }
@@ -180,93 +216,49 @@ fn prism(
     polygon: &Polygon,
     pick: [usize; 3],
     points: [DVec3; 4],
+    corners: [DVec2; 4],
     plan: Plan,
-    split: Option<Split>,
 ) -> Dressed {
-    let corners = plan.corners(polygon);
-    let [a, b, c] = pick.map(|i| polygon.vertices[i]);
-    let [ta, tb, tc] = pick.map(|i| polygon.uvs[i]);
-    let zero_area_uvs = plan.no_area([ta, tb, tc]);
-    let [sa, sb, sc] = match plan {
-        Plan::Uv { copy_width, .. } if zero_area_uvs => flattened(pick.map(|i| points[i]), copy_width),
-        _ => pick.map(|i| corners[i]),
-    };
+    let triangle = polygon.triangle(pick);
+    let [a, b, c, _] = triangle.uvs;
+    let mut lattice = Affine::triangle(pick.map(|i| corners[i]));
+    let check = plan.check(lattice, [a, b, c]);
+    if let Err(copy_width) = check {
+        lattice = Affine::triangle(laid_flat(pick.map(|i| points[i]), copy_width));
+    }
     Dressed {
         patch: Patch {
-            vertices: [a, b, c, Face::NONE],
+            vertices: triangle.vertices,
             face: polygon.face,
             material: polygon.material,
-            lattice: near_zero(sa, sb - sa, sc - sa, (sa + sb + sc) / 3.0),
+            lattice: lattice.near_zero(1.0 / 3.0),
         },
-        uvs: [ta, tb, tc, tb + tc - ta],
-        zero_area_uvs,
-        split,
+        uvs: [a, b, c, b + c - a],
+        zero_area_uvs: check.is_err(),
+        split: None,
     }
-}
-
-/// The lattice with (s, t) = `a`, `b`, `c`, `d` at the corners, in box order; where they are a little off a
-/// parallelogram, the error is shared by all four.
-fn parallelogram(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Lattice {
-    let centre = (a + b + c + d) / 4.0;
-    if a + d == b + c {
-        return near_zero(a, b - a, c - a, centre);
-    }
-    let (u, v) = (0.5 * (b - a + d - c), 0.5 * (c - a + d - b));
-    near_zero(centre - 0.5 * (u + v), u, v, centre)
-}
-
-/// Shifts a lattice by whole numbers so that `centre` comes to lie in `[0, 1)²`, before it is rounded to `f32`.
-fn near_zero(origin: DVec2, u: DVec2, v: DVec2, centre: DVec2) -> Lattice {
-    Lattice { origin: (origin - centre.floor()).as_vec2(), u: u.as_vec2(), v: v.as_vec2() }
 }
 
 fn snap(x: f64) -> f64 {
     if (x - x.round()).abs() < SNAP { x.round() } else { x }
 }
 
-/// A triangle laid flat, its first side along s, in copies `copy_width` metres wide.
-fn flattened([a, b, c]: [DVec3; 3], copy_width: f64) -> [DVec2; 3] {
-    let along = (b - a).normalize_or_zero();
-    let s = (c - a).dot(along);
-    let t = (c - a - s * along).length();
-    [DVec2::ZERO, DVec2::new((b - a).length(), 0.0) / copy_width, DVec2::new(s, t) / copy_width]
+/// A triangle laid flat, its first side along s, in copies `copy_width` metres wide (or [`MOST_COPIES`]).
+fn laid_flat([a, b, c]: [DVec3; 3], copy_width: f64) -> [DVec2; 3] {
+    let (side, across) = (b - a, c - a);
+    let width = copy_width.max(side.length().max(across.length()) / MOST_COPIES);
+    let along = side.normalize_or_zero();
+    let s = across.dot(along);
+    let t = (across - s * along).length();
+    [DVec2::ZERO, DVec2::new(side.length(), 0.0) / width, DVec2::new(s, t) / width]
 }
 
 /// The whole numbers of copies that come nearest to `copy_width` metres each, around a quad.
 fn whole_copies([a, b, d, c]: [DVec3; 4], copy_width: f64) -> [DVec2; 4] {
-    let count = |p: DVec3, q: DVec3| (0.5 * (p.length() + q.length()) / copy_width).round().max(1.0);
+    let count =
+        |p: DVec3, q: DVec3| (0.5 * (p.length() + q.length()) / copy_width).round().clamp(1.0, MOST_COPIES);
     let (n, m) = (count(b - a, d - c), count(c - a, d - b));
     [(0.0, 0.0), (n, 0.0), (n, m), (0.0, m)].map(DVec2::from)
-}
-
-/// Whether a corner of the quad turns the wrong way, or hardly at all.
-fn concave(p: [DVec3; 4]) -> bool {
-    let normal = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-    (0..4).any(|i| {
-        let (before, after) = (p[i] - p[(i + 3) % 4], p[(i + 1) % 4] - p[i]);
-        before.cross(after).dot(normal) <= SMALLEST_SINE * before.length() * after.length()
-    })
-}
-
-/// Distance between the diagonals, over the square root of the area: 0 for a planar quad.
-fn nonplanarity(p: [DVec3; 4]) -> f64 {
-    let area = 0.5 * (p[2] - p[0]).cross(p[3] - p[1]);
-    (p[1] - p[0]).dot(area).abs() / area.length().powf(1.5)
-}
-
-/// Whether a quad is cut from corner 0 to corner 2 (else from 1 to 3): the shorter diagonal, unless a triangle
-/// would be left without area or face the other way.
-fn first_diagonal(p: [DVec3; 4]) -> bool {
-    let normal = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero();
-    let area = |i: usize, j: usize, k: usize| (p[j] - p[i]).cross(p[k] - p[i]).dot(normal);
-    let first = area(0, 1, 2).min(area(0, 2, 3));
-    let second = area(1, 2, 3).min(area(1, 3, 0));
-    let least = SMALLEST_SINE * (first + second).abs();
-    if first > least && second > least {
-        (p[2] - p[0]).length_squared() <= (p[3] - p[1]).length_squared()
-    } else {
-        first >= second
-    }
 }
 
 /// Mean units of texture coordinates per metre; 0 where no face has any area in them.

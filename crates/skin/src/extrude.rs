@@ -36,7 +36,7 @@ pub fn extrude(
         return Err(SkinError::NothingSelected { mesh: mesh.name.clone(), faces, zero_area });
     }
     let plan = Plan::new(&surface, mesh.uvs.is_some(), options);
-    if matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface.polygons) {
+    if matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface) {
         surface = refine::refine(&surface);
         report.refined = true;
     }

@@ -15,7 +15,7 @@
 //!
 //! | stage | room |
 //! |---|---|
-//! | the selected faces, welded, without the degenerate ones | [`polygon`](crate::Report) |
+//! | the selected faces, welded, without the degenerate ones | `polygon` |
 //! | without texture coordinates and with triangles: every n-gon becomes n quads | `refine` |
 //! | one vector a vertex, from the faces around it | `normals` |
 //! | quads and triangles become patches; texel coordinates | `dressing` |
@@ -32,6 +32,7 @@ mod normals;
 mod options;
 mod patch;
 mod polygon;
+mod quad;
 mod refine;
 mod report;
 pub mod surface;

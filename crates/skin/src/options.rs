@@ -1,5 +1,7 @@
 //! What a skin is asked to be.
 
+use pelage_geom::Mesh;
+
 use crate::SkinError;
 
 /// How patches get their texel coordinates.
@@ -48,7 +50,7 @@ pub enum Border {
     serde(default, deny_unknown_fields)
 )]
 pub struct SkinOptions {
-    /// Length of the vertex vectors, in metres; positive.
+    /// Length of the vertex vectors, in metres; positive, at most [`Mesh::POSITION_LIMIT`].
     pub height: f32,
     /// Where texel coordinates come from.
     pub layout: Layout,
@@ -116,7 +118,12 @@ impl SkinOptions {
         const POSITIVE: &str = "it must be positive and finite";
         let positive = |x: f32| x > 0.0 && x.is_finite();
         let checks = [
-            ("height", self.height, positive(self.height), POSITIVE),
+            (
+                "height",
+                self.height,
+                self.height > 0.0 && self.height <= Mesh::POSITION_LIMIT,
+                "it must be positive and at most 1e12 m",
+            ),
             ("aspect", self.aspect, positive(self.aspect), POSITIVE),
             ("tiling", self.tiling.unwrap_or(1.0), self.tiling.is_none_or(positive), POSITIVE),
             (

@@ -1,7 +1,5 @@
 //! The selected faces made fit to stand on: welded, without degenerate or repeated ones, their edges counted.
 
-use std::collections::{HashMap, HashSet};
-
 use glam::{DVec3, Vec2, Vec3};
 use pelage_geom::{Face, MaterialId, Mesh};
 use rayon::prelude::*;
@@ -37,6 +35,13 @@ impl Polygon {
         let [a, b, c, d] = self.points(positions);
         0.5 * (c - a).cross(d - b)
     }
+
+    /// The triangle on three of the corners.
+    pub fn triangle(&self, pick: [usize; 3]) -> Self {
+        let [a, b, c] = pick.map(|i| self.vertices[i]);
+        let [ta, tb, tc] = pick.map(|i| self.uvs[i]);
+        Self { vertices: [a, b, c, Face::NONE], uvs: [ta, tb, tc, Vec2::ZERO], ..*self }
+    }
 }
 
 /// Polygons over shared vertices, some of which may be unused.
@@ -44,7 +49,7 @@ impl Polygon {
 pub(crate) struct Surface {
     pub positions: Vec<Vec3>,
     pub polygons: Vec<Polygon>,
-    /// Faces that get no box, but give their vector to the vertices they share ([`crate::Border::Mesh`]).
+    /// Faces that get no box, but count for the vectors of the vertices they share ([`crate::Border::Mesh`]).
     pub bystanders: Vec<Polygon>,
 }
 
@@ -59,24 +64,26 @@ pub(crate) fn collect(
     report: &mut Report,
 ) -> Surface {
     let welded = weld(mesh, report);
+    let wanted: Vec<bool> = (0..mesh.faces.len()).map(selected).collect();
+    let polygons: Vec<Option<Polygon>> = mesh
+        .faces
+        .par_iter()
+        .enumerate()
+        .map(|(index, face)| {
+            let uvs = mesh.uvs.as_ref().map_or([Vec2::ZERO; 4], |uvs| uvs[index]);
+            distinct_corners(face, index as u32, uvs, &welded).filter(|p| has_area(p, &mesh.positions))
+        })
+        .collect();
     let mut surface = Surface { positions: mesh.positions.clone(), ..Surface::default() };
-    let mut seen = HashSet::new();
-    for (index, face) in mesh.faces.iter().enumerate() {
-        let wanted = selected(index);
-        if !wanted && !bystanders {
-            continue;
-        }
-        let uvs = mesh.uvs.as_ref().map_or([Vec2::ZERO; 4], |uvs| uvs[index]);
-        let polygon = distinct_corners(face, index as u32, uvs, &welded)
-            .filter(|p| p.area_vector(&mesh.positions).length() > smallest_area(p, &mesh.positions));
+    for (index, (polygon, wanted)) in polygons.into_iter().zip(wanted).enumerate() {
         match polygon {
-            Some(polygon) if !wanted => surface.bystanders.push(polygon),
-            Some(polygon) if seen.insert(canonical(polygon.vertices)) => surface.polygons.push(polygon),
-            Some(_) => report.duplicate_faces.push(index as u32),
+            Some(polygon) if wanted => surface.polygons.push(polygon),
+            Some(polygon) if bystanders => surface.bystanders.push(polygon),
             None if wanted => report.zero_area_faces.push(index as u32),
-            None => {}
+            _ => {}
         }
     }
+    drop_duplicates(&mut surface.polygons, report);
     surface
 }
 
@@ -86,17 +93,19 @@ fn weld(mesh: &Mesh, report: &mut Report) -> Vec<u32> {
     for &i in mesh.faces.iter().flat_map(Face::corners) {
         used[i as usize] = true;
     }
-    report.isolated_vertices = used.iter().filter(|&&u| !u).count();
-
-    let mut first = HashMap::with_capacity(mesh.positions.len());
-    let key = |p: Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
-    let welded = (0..mesh.positions.len())
-        .map(|i| match used[i] {
-            true => *first.entry(key(mesh.positions[i])).or_insert(i as u32),
-            false => i as u32,
-        })
-        .collect::<Vec<u32>>();
-    report.welded_vertices = welded.iter().enumerate().filter(|&(i, &w)| i as u32 != w).count();
+    // Adding zero turns −0 into 0.
+    let key = |i: u32| mesh.positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
+    let mut places: Vec<([u32; 3], u32)> =
+        (0..used.len() as u32).filter(|&i| used[i as usize]).map(|i| (key(i), i)).collect();
+    report.isolated_vertices = used.len() - places.len();
+    places.par_sort_unstable();
+    let mut welded: Vec<u32> = (0..used.len() as u32).collect();
+    for vertices in places.chunk_by(|a, b| a.0 == b.0) {
+        report.welded_vertices += vertices.len() - 1;
+        for &(_, i) in vertices {
+            welded[i as usize] = vertices[0].1;
+        }
+    }
     welded
 }
 
@@ -118,11 +127,23 @@ fn distinct_corners(face: &Face, index: u32, uvs: [Vec2; 4], welded: &[u32]) -> 
     (count >= 3 && a != c && b != d).then_some(polygon)
 }
 
-/// The area under which a polygon has none: an `f32`'s rounding times its longest diagonal or side, squared.
-fn smallest_area(polygon: &Polygon, positions: &[Vec3]) -> f64 {
+/// Whether the area exceeds the rounding of an `f32` times the square of the longest side or diagonal.
+fn has_area(polygon: &Polygon, positions: &[Vec3]) -> bool {
     let [a, b, c, d] = polygon.points(positions);
     let spans = [b - a, c - b, d - c, a - d, c - a, d - b];
-    f64::from(f32::EPSILON) * spans.iter().map(|s| s.length_squared()).fold(0.0, f64::max)
+    let longest = spans.iter().map(|s| s.length_squared()).fold(0.0, f64::max);
+    polygon.area_vector(positions).length() > f64::from(f32::EPSILON) * longest
+}
+
+/// Keeps the first of the polygons that have the same corners in the same order around.
+fn drop_duplicates(polygons: &mut Vec<Polygon>, report: &mut Report) {
+    let mut keys: Vec<([u32; 4], u32)> =
+        polygons.par_iter().map(|p| (canonical(p.vertices), p.face)).collect();
+    keys.par_sort_unstable();
+    let repeated = keys.chunk_by(|a, b| a.0 == b.0).flat_map(|same| &same[1..]);
+    report.duplicate_faces = repeated.map(|&(_, face)| face).collect();
+    report.duplicate_faces.sort_unstable();
+    polygons.retain(|p| report.duplicate_faces.binary_search(&p.face).is_err());
 }
 
 /// The same for all rotations of a polygon, and only for those.
@@ -130,9 +151,7 @@ fn canonical(vertices: [u32; 4]) -> [u32; 4] {
     let count = if vertices[3] == Face::NONE { 3 } else { 4 };
     let start = (0..count).min_by_key(|&i| vertices[i]).unwrap_or(0);
     let mut turned = vertices;
-    for (i, v) in turned[..count].iter_mut().enumerate() {
-        *v = vertices[(start + i) % count];
-    }
+    turned[..count].rotate_left(start);
     turned
 }
 

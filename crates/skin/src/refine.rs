@@ -7,18 +7,26 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec2, Vec3};
-use rayon::prelude::*;
 
 use crate::polygon::{Polygon, Surface};
+use crate::quad;
 
-/// Splits all polygons. Bystanders are split too: they must offer the same edges.
+/// Splits all polygons; quads that are not convex, whose centre may lie outside, become two triangles first.
+/// Bystanders are split too: they must have the same edges.
 pub(crate) fn refine(surface: &Surface) -> Surface {
     let mut positions = surface.positions.clone();
     let mut midpoints = HashMap::with_capacity(2 * (surface.polygons.len() + surface.bystanders.len()));
     let mut split = |polygons: &[Polygon]| {
         let mut quads = Vec::with_capacity(4 * polygons.len());
         for polygon in polygons {
-            quads.extend(split_one(polygon, &mut positions, &mut midpoints));
+            let points = polygon.points(&positions);
+            if polygon.corners().len() == 4 && quad::is_concave(points) {
+                for pick in quad::halves(points) {
+                    quads.extend(split_one(polygon.triangle(pick), &mut positions, &mut midpoints));
+                }
+            } else {
+                quads.extend(split_one(*polygon, &mut positions, &mut midpoints));
+            }
         }
         quads
     };
@@ -28,13 +36,13 @@ pub(crate) fn refine(surface: &Surface) -> Surface {
 }
 
 /// One quad at each corner of `polygon`: the corner, the midpoint after it, the centre, the midpoint before it.
-fn split_one<'a>(
-    polygon: &'a Polygon,
+fn split_one(
+    polygon: Polygon,
     positions: &mut Vec<Vec3>,
     midpoints: &mut HashMap<(u32, u32), u32>,
-) -> impl Iterator<Item = Polygon> + 'a {
-    let corners = polygon.corners();
-    let n = corners.len();
+) -> impl Iterator<Item = Polygon> + use<> {
+    let n = polygon.corners().len();
+    let corners = polygon.vertices;
     let mut middle = [0; 4];
     for k in 0..n {
         let (a, b) = (corners[k], corners[(k + 1) % n]);
@@ -45,7 +53,7 @@ fn split_one<'a>(
             (positions.len() - 1) as u32
         });
     }
-    let sum = corners.iter().map(|&i| positions[i as usize].as_dvec3()).sum::<DVec3>();
+    let sum = corners[..n].iter().map(|&i| positions[i as usize].as_dvec3()).sum::<DVec3>();
     positions.push((sum / n as f64).as_vec3());
     let centre = (positions.len() - 1) as u32;
     let uv_centre = polygon.uvs[..n].iter().copied().sum::<Vec2>() / n as f32;
@@ -55,12 +63,13 @@ fn split_one<'a>(
         Polygon {
             vertices: [corners[k], middle[k], centre, middle[before]],
             uvs: [polygon.uvs[k], uv_middle(k), uv_centre, uv_middle(before)],
-            ..*polygon
+            ..polygon
         }
     })
 }
 
-/// Whether any polygon is a triangle.
-pub(crate) fn has_triangles(polygons: &[Polygon]) -> bool {
-    polygons.par_iter().any(|p| p.corners().len() == 3)
+/// Whether any face of the surface is a triangle, so that it needs splitting. Bystanders count: a skin on them must
+/// come to the same answer.
+pub(crate) fn has_triangles(surface: &Surface) -> bool {
+    surface.polygons.iter().chain(&surface.bystanders).any(|p| p.corners().len() == 3)
 }

@@ -77,7 +77,8 @@ pub struct Report {
     pub split_concave: usize,
     /// Patches whose texel is mirrored (the lattice turns the other way than the surface).
     pub mirrored: usize,
-    /// Patches whose texture coordinates have no area, and whose lattice comes from their shape instead.
+    /// Patches whose texture coordinates have no area (or span more copies than an `f32` can tell apart), and whose
+    /// lattice comes from their shape instead.
     pub zero_area_uvs: usize,
     /// Vertices of the skin whose faces' normals cancel; they follow the first of those faces.
     pub cancelled_normals: Vec<u32>,

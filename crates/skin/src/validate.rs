@@ -119,11 +119,11 @@ fn faults(patches: &[Patch], base: &[Vec3], top: &[Vec3], depth: u32) -> Vec<Fol
 
 /// What is wrong with one box, if anything. One that stays undecided at `depth` counts as folded.
 fn fault(index: usize, patch: &Patch, base: &[Vec3], top: &[Vec3], depth: u32) -> Option<Fold> {
-    let map = hexahedron(&patch.vertices, base, top);
-    let (at, determinant) = match certify(&map, depth) {
+    let hexahedron = hexahedron(&patch.vertices, base, top);
+    let (at, determinant) = match certify(&hexahedron, depth) {
         Certificate::Valid { .. } => return None,
         Certificate::Folded { at, determinant } => (at, determinant),
-        Certificate::Undecided { at } => (at, f64::NAN),
+        Certificate::Undecided { at } => (at, hexahedron.map().determinant(at)),
     };
     Some(Fold {
         face: patch.face,

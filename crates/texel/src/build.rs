@@ -87,6 +87,7 @@ pub fn build(
     options: &BuildOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Texel, BuildError> {
+    let clock0 = std::time::Instant::now();
     geometry.validate()?;
     options.validate()?;
     progress(0.0);
@@ -98,11 +99,13 @@ pub fn build(
     if u32::try_from(finest.entry_count()).is_err() {
         return Err(BuildError::TooMany { what: "triangles in cells", count: finest.entry_count() });
     }
+    eprintln!("PROF vox {:?}", clock0.elapsed());
     let mut lists = vec![finest];
     for above in 0..options.depth as usize {
         lists.push(lists[above].parents());
     }
     lists.reverse();
+    eprintln!("PROF lists {:?}", clock0.elapsed());
     let total = lists.iter().map(|cells| cells.codes().len()).sum::<usize>().max(1);
     let done = AtomicUsize::new(0);
     let report = |cells: usize| {
@@ -113,12 +116,21 @@ pub fn build(
         }
     };
     let levels = (0..).zip(&lists).map(|(level, cells)| {
+        let clock = std::time::Instant::now();
         let voxels = measure_level(&facets, cells, level, options, &report);
+        eprintln!("PROF {level}: {:?} {} cells {} entries", clock.elapsed(), cells.codes().len(), cells.entry_count());
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
     let texel = Texel::new(name, [geometry.specular, geometry.roughness], options.periodic, levels.collect());
     progress(1.0);
     Ok(texel)
+}
+
+/// What looking along a direction needs.
+#[derive(Default)]
+struct View {
+    raster: Raster,
+    lengths: Vec<f32>,
 }
 
 /// What measuring a voxel needs and the next voxel reuses.
@@ -127,7 +139,7 @@ struct Scratch {
     triangles: Vec<[Vec3; 3]>,
     colors: Vec<Vec3>,
     parts: Vec<Vec3>,
-    raster: Raster,
+    view: View,
 }
 
 fn measure_level(
@@ -156,19 +168,19 @@ fn measure_level(
 }
 
 fn measure_voxel(scratch: &mut Scratch, (directions, side): (&'static [Vec3], usize)) -> Voxel {
-    let Scratch { triangles, colors, parts, raster } = scratch;
+    let Scratch { triangles, colors, parts, view } = scratch;
     let Some(region) = Region::new(triangles, parts) else {
         return Voxel::clear();
     };
-    let look = |raster: &mut Raster, &direction: &Vec3| {
-        Sight::new(raster, &region, triangles, colors, direction, side)
+    let look = |view: &mut View, &direction: &Vec3| {
+        Sight::new(&mut view.raster, &mut view.lengths, &region, triangles, colors, direction, side)
     };
     // A voxel of many triangles is worth sharing between threads; one of few is not.
     let sights: Vec<Sight> = if triangles.len() > 2000 {
-        let sights = directions.par_iter().map_init(Raster::default, |raster, d| look(raster, d));
+        let sights = directions.par_iter().map_init(View::default, |view, d| look(view, d));
         sights.flatten().collect()
     } else {
-        directions.iter().filter_map(|d| look(raster, d)).collect()
+        directions.iter().filter_map(|d| look(view, d)).collect()
     };
     let seen: f32 = sights.iter().map(|sight| sight.weight).sum();
     let color: Vec3 = sights.iter().map(|sight| sight.color).sum();

@@ -18,6 +18,7 @@ mod coverage;
 mod error;
 mod octree;
 mod procedure;
+mod random;
 mod raster;
 mod region;
 mod strands;

@@ -3,37 +3,27 @@
 //! Tracing a grid of parallel rays against a list of triangles is drawing the triangles: each visits only the
 //! rows it spans and in each only the rays between its two edges. Samples of successive rows are displaced by
 //! the golden ratio, so that structures along a row (hairs) are not met all or nothing.
-
-use core::f32::consts::FRAC_2_SQRT_PI;
+//!
+//! This is the hot loop of the builder. What a ray needs is kept in one array a quantity, so that the compiler
+//! can treat several rays at once; rounding goes through integers, because `floor` is a library call on plain
+//! x86-64.
 
 use glam::{Vec2, Vec3};
 
 use crate::region::Region;
 
-/// What one ray meets in the region.
+/// What a ray met first and last: distance along the ray, and the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ray {
-    /// Where the ray is in the region; reversed if it misses it.
-    pub(crate) chord: [f32; 2],
-    /// Distance and triangle of the first hit; infinite if there is none.
+pub(crate) struct Hits {
     pub(crate) first: (f32, u32),
-    /// Distance and triangle of the last hit; minus infinity if there is none.
     pub(crate) last: (f32, u32),
 }
 
-impl Ray {
-    /// Whether it crosses the region.
-    pub(crate) fn crosses(&self) -> bool {
-        self.chord[0] < self.chord[1]
-    }
+impl Hits {
+    const NONE: Self = Self { first: (f32::INFINITY, 0), last: (f32::NEG_INFINITY, 0) };
 
-    /// Length in the region.
-    pub(crate) fn length(&self) -> f32 {
-        self.chord[1] - self.chord[0]
-    }
-
-    /// Whether it hits anything.
-    pub(crate) fn hits(&self) -> bool {
+    /// Whether there are any.
+    pub(crate) fn any(&self) -> bool {
         self.first.0 < f32::INFINITY
     }
 }
@@ -46,8 +36,12 @@ pub(crate) struct Raster {
     across: [Vec3; 2],
     origin: Vec2,
     spacing: Vec2,
-    rays: Vec<Ray>,
+    /// Hits count this far before and behind the region.
     tolerance: f32,
+    /// Where each ray enters the region, row by row; above `leave` if it misses it.
+    enter: Vec<f32>,
+    leave: Vec<f32>,
+    hits: Vec<Hits>,
 }
 
 impl Raster {
@@ -59,9 +53,10 @@ impl Raster {
         }
     }
 
-    /// The rays, those that miss the region among them.
-    pub(crate) fn rays(&self) -> &[Ray] {
-        &self.rays
+    /// The rays that cross the region: their length in it, and what they hit there.
+    pub(crate) fn crossing(&self) -> impl Iterator<Item = (f32, &Hits)> + Clone {
+        let lengths = self.enter.iter().zip(&self.leave).map(|(enter, leave)| leave - enter);
+        lengths.zip(&self.hits).filter(|(length, _)| *length > 0.0)
     }
 
     /// Area that one ray stands for.
@@ -69,33 +64,50 @@ impl Raster {
         self.spacing.x * self.spacing.y
     }
 
-    /// Lays out the rays and finds their chords.
+    /// Lays out the rays and finds where they enter and leave the region.
     fn aim(&mut self, region: &Region, direction: Vec3, side: usize) {
         let (right, up) = direction.any_orthonormal_pair();
-        // Turned away from the frame's axes, so that axis-aligned content does not run along rows.
-        let (sin, cos) = FRAC_2_SQRT_PI.sin_cos();
+        // Turned by one radian, so that axis-aligned content does not run along rows.
+        let (sin, cos) = 1.0_f32.sin_cos();
         self.across = [right * cos + up * sin, up * cos - right * sin];
         (self.side, self.direction) = (side, direction);
-        let [mut low, mut high] = [Vec2::INFINITY, Vec2::NEG_INFINITY];
-        for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { region.lo[axis] } else { region.hi[axis] };
-            let p = self.project(Vec3::new(pick(0), pick(1), pick(2)));
-            (low, high) = (low.min(p), high.max(p));
-        }
-        self.origin = low;
-        self.spacing = (high - low) / side as f32;
+        let middle = self.project(0.5 * (region.lo + region.hi));
+        let half = 0.5 * (region.hi - region.lo);
+        let reach = Vec2::new(half.dot(self.across[0].abs()), half.dot(self.across[1].abs()));
+        self.origin = middle - reach;
+        self.spacing = 2.0 * reach / side as f32;
         let speed = region.normal.dot(direction).abs();
         let thickness = region.slab[1] - region.slab[0];
         // A ray may leave a thin slab through the voxel's side before it meets the sheet that fills it.
         self.tolerance = if region.is_thin() { (thickness / speed).min(0.3) } else { 1e-4 };
-        self.rays.clear();
-        for row in 0..side {
-            for column in 0..side {
-                let at = self.sample(row, column);
-                let p = self.across[0] * at.x + self.across[1] * at.y;
-                let [a, b] = region.intervals(p, direction);
-                let chord = [a[0].max(b[0]), a[1].min(b[1])];
-                self.rays.push(Ray { chord, first: (f32::INFINITY, 0), last: (f32::NEG_INFINITY, 0) });
+
+        // Each pair of planes n·p = a, b is met at (a − n·(x e₁ + y e₂))/(n·d).
+        let slabs = [(Vec3::X, 0), (Vec3::Y, 1), (Vec3::Z, 2), (region.normal, 3)].map(|(normal, axis)| {
+            let speed = normal.dot(direction);
+            // Slower than this, the ray is parallel to the planes: they bound it a million edges away.
+            let inverse = if speed.abs() < 1e-6 { 1e6 } else { speed.recip() };
+            let [a, b] = if axis == 3 { region.slab } else { [region.lo[axis], region.hi[axis]] };
+            let [a, b] = [a * inverse, b * inverse];
+            (a.min(b), a.max(b), self.project(normal) * inverse)
+        });
+        let count = side * side;
+        self.hits.clear();
+        self.hits.resize(count, Hits::NONE);
+        self.enter.clear();
+        self.enter.resize(count, f32::NEG_INFINITY);
+        self.leave.clear();
+        self.leave.resize(count, f32::INFINITY);
+        let rows = self.enter.chunks_exact_mut(side).zip(self.leave.chunks_exact_mut(side));
+        for (row, (enter, leave)) in rows.enumerate() {
+            let y = self.origin.y + self.spacing.y * (row as f32 + 0.5);
+            let left = self.origin.x + self.spacing.x * offset(row);
+            for (low, high, slope) in slabs {
+                let [start, step] = [slope.y * y + slope.x * left, slope.x * self.spacing.x];
+                for (column, (enter, leave)) in enter.iter_mut().zip(leave.iter_mut()).enumerate() {
+                    let at = start + step * column as f32;
+                    *enter = enter.max(low - at);
+                    *leave = leave.min(high - at);
+                }
             }
         }
     }
@@ -104,64 +116,80 @@ impl Raster {
         Vec2::new(self.across[0].dot(p), self.across[1].dot(p))
     }
 
-    /// Where the first sample of a row stands, in spacings.
-    fn offset(row: usize) -> f32 {
-        const GOLDEN: f32 = 0.618_034;
-        (row as f32 * GOLDEN + 0.5).fract()
-    }
-
-    fn sample(&self, row: usize, column: usize) -> Vec2 {
-        self.origin + self.spacing * Vec2::new(column as f32 + Self::offset(row), row as f32 + 0.5)
-    }
-
     fn draw_triangle(&mut self, triangle: &[Vec3; 3], id: u32) {
-        let mut p = triangle.map(|v| self.project(v));
+        // In the grid's own frame: one unit a spacing, row r at y = r + ½.
+        let scale = self.spacing.recip();
+        let mut p = triangle.map(|v| (self.project(v) - self.origin) * scale);
         let [low, high] = [p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2])];
-        // In spacings, row r stands at r + ½.
-        let first = ((low.y - self.origin.y) / self.spacing.y - 0.5).ceil().max(0.0);
-        let last = ((high.y - self.origin.y) / self.spacing.y - 0.5).floor().min(self.side as f32 - 1.0);
-        let columns = (Vec2::new(low.x, high.x) - self.origin.x) / self.spacing.x;
-        if first > last || columns.x > self.side as f32 || columns.y < 0.0 {
+        let side = self.side as f32;
+        if high.x < 0.0 || low.x > side || high.y < 0.5 || low.y > side - 0.5 {
             return;
         }
+        let rows = [ceil(low.y.max(0.0) - 0.5), floor(high.y.min(side) - 0.5)];
         let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
         let speed = normal.dot(self.direction);
-        if speed == 0.0 {
+        if rows[0] > rows[1] || speed == 0.0 {
             return;
         }
-        // Distance along the ray: d·n t = n·v − n·(x e₁ + y e₂).
+        // Distance along the ray: (n·d) t = n·v − n·(x e₁ + y e₂).
         let slope = -self.project(normal) / speed;
-        let base = normal.dot(triangle[0]) / speed;
+        let base = normal.dot(triangle[0]) / speed + slope.dot(self.origin);
+        let slope = slope * self.spacing;
         let t = triangle.map(|v| self.direction.dot(v));
         let [nearest, farthest] = [t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2])];
         // Edges run upwards whichever triangle they belong to, so that neighbours leave no gap between them.
-        p.sort_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)));
-        let edges = [(p[0], p[1]), (p[1], p[2]), (p[0], p[2])];
-        let slopes = edges.map(|(a, b)| (b.x - a.x) / (b.y - a.y));
-        for row in first as usize..=last as usize {
-            let y = self.origin.y + self.spacing.y * (row as f32 + 0.5);
-            let upper = usize::from(y >= p[1].y);
-            let ends = [upper, 2].map(|edge| edges[edge].0.x + (y - edges[edge].0.y) * slopes[edge]);
-            let offset = Self::offset(row);
-            let columns = ends.map(|x| (x - self.origin.x) / self.spacing.x - offset);
-            let left = columns[0].min(columns[1]).ceil().max(0.0);
-            let right = columns[0].max(columns[1]).floor().min(self.side as f32 - 1.0);
-            if !(left <= right) {
-                continue;
-            }
-            for column in left as usize..=right as usize {
-                let x = self.origin.x + self.spacing.x * (column as f32 + offset);
-                let t = (base + slope.x * x + slope.y * y).clamp(nearest, farthest);
-                let ray = &mut self.rays[row * self.side + column];
-                if t >= ray.chord[0] - self.tolerance && t <= ray.chord[1] + self.tolerance {
-                    if t < ray.first.0 {
-                        ray.first = (t, id);
+        sort_upwards(&mut p);
+        let run = |a: Vec2, b: Vec2| (b.x - a.x) / (b.y - a.y);
+        let [lower, upper, long] = [run(p[0], p[1]), run(p[1], p[2]), run(p[0], p[2])];
+        for row in rows[0]..=rows[1] {
+            let y = row as f32 + 0.5;
+            let (from, run) = if y < p[1].y { (p[0], lower) } else { (p[1], upper) };
+            let offset = offset(row as usize);
+            let [a, b] = [from.x + (y - from.y) * run, p[0].x + (y - p[0].y) * long];
+            let left = ceil((a.min(b) - offset).max(0.0));
+            let right = floor((a.max(b) - offset).min(side - 1.0));
+            let first = row as usize * self.side;
+            for column in left..=right {
+                let i = first + column as usize;
+                let t = base + slope.x * (column as f32 + offset) + slope.y * y;
+                let t = t.clamp(nearest, farthest);
+                if t >= self.enter[i] - self.tolerance && t <= self.leave[i] + self.tolerance {
+                    let hits = &mut self.hits[i];
+                    if t < hits.first.0 {
+                        hits.first = (t, id);
                     }
-                    if t > ray.last.0 {
-                        ray.last = (t, id);
+                    if t > hits.last.0 {
+                        hits.last = (t, id);
                     }
                 }
             }
         }
     }
+}
+
+/// Where the first sample of a row stands, in spacings.
+fn offset(row: usize) -> f32 {
+    // Multiples of the golden ratio, from the top bits of a wrapping product.
+    (row as u32).wrapping_mul(0x9e37_79b9).wrapping_add(1 << 31) as f32 / (1_u64 << 32) as f32
+}
+
+fn sort_upwards(p: &mut [Vec2; 3]) {
+    let above = |a: Vec2, b: Vec2| a.y > b.y || a.y == b.y && a.x > b.x;
+    for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+        if above(p[i], p[j]) {
+            p.swap(i, j);
+        }
+    }
+}
+
+/// Rounds down numbers that fit an i32.
+fn floor(x: f32) -> i32 {
+    let whole = x as i32;
+    whole - i32::from(whole as f32 > x)
+}
+
+/// Rounds up numbers that fit an i32.
+fn ceil(x: f32) -> i32 {
+    let whole = x as i32;
+    whole + i32::from((whole as f32) < x)
 }

@@ -174,8 +174,9 @@ mod tests {
     #[test]
     fn agrees_with_brute_force_near_and_far() {
         // A 20 × 20 sheet of unit boxes, apart by 1.5, seen by rays from near and from very far.
-        let bounds: Vec<_> =
-            (0..400).map(|i| unit_box(Vec3::new((i % 20) as f32 * 1.5, 0.0, (i / 20) as f32 * 1.5))).collect();
+        let bounds: Vec<_> = (0..400)
+            .map(|i| unit_box(Vec3::new((i % 20) as f32 * 1.5, 0.0, (i / 20) as f32 * 1.5)))
+            .collect();
         let accel = Accel::new(&bounds);
         for i in 0..2000_u32 {
             let a = f64::from(i) * 2.399_963;

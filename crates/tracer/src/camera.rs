@@ -54,7 +54,7 @@ impl Camera {
         // A pixel is `scale` wide at depth 1, and the point at distance d lies at depth d cos.
         (
             Ray { origin: self.position.as_dvec3(), direction },
-            Cone { width: 0.0, spread: scale * cosine as f32 },
+            Cone { width: 0.0, spread: f64::from(scale) * cosine },
         )
     }
 

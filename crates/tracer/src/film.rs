@@ -72,7 +72,9 @@ impl Film {
     pub fn paste(&mut self, tile: Rect, pixels: &[Pixel]) {
         for (i, &pixel) in pixels.iter().enumerate().take(tile.area()) {
             let (x, y) = (tile.x + i as u32 % tile.width, tile.y + i as u32 / tile.width);
-            let Some((dx, dy)) = x.checked_sub(self.window.x).zip(y.checked_sub(self.window.y)) else { continue };
+            let Some((dx, dy)) = x.checked_sub(self.window.x).zip(y.checked_sub(self.window.y)) else {
+                continue;
+            };
             if dx < self.window.width && dy < self.window.height {
                 self.pixels[dy as usize * self.window.width as usize + dx as usize] = pixel;
             }

@@ -57,7 +57,9 @@ impl Light {
     /// Says what is wrong with the light's numbers, if anything is.
     pub fn check(&self) -> Result<(), &'static str> {
         let (numbers, direction, colour): (&[f32], Option<Vec3>, Vec3) = match self {
-            Self::Directional { direction, illuminance, angle } => (&[*angle], Some(*direction), *illuminance),
+            Self::Directional { direction, illuminance, angle } => {
+                (&[*angle], Some(*direction), *illuminance)
+            }
             Self::Point { position, intensity, radius } => {
                 (&[position.x, position.y, position.z, *radius], None, *intensity)
             }

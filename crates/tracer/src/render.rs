@@ -82,7 +82,9 @@ pub fn render(
                 height: TILE.min(window.y + window.height - y),
             };
             let pixels = (0..tile.area() as u32)
-                .map(|p| pixel(scene, camera, settings, [x + p % tile.width, y + p / tile.width], view, shader))
+                .map(|p| {
+                    pixel(scene, camera, settings, [x + p % tile.width, y + p / tile.width], view, shader)
+                })
                 .collect();
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
             if progress(Progress { done, total }).is_break() {
@@ -123,7 +125,10 @@ fn check(camera: &Camera, settings: &Settings) -> Result<Rect, RenderError> {
         return bad("camera", "its place or orientation is not finite".into());
     }
     if !(camera.vertical_fov > 0.0 && camera.vertical_fov < std::f32::consts::PI) {
-        return bad("camera", format!("an angle of view of {} radians; it must lie in (0, π)", camera.vertical_fov));
+        return bad(
+            "camera",
+            format!("an angle of view of {} radians; it must lie in (0, π)", camera.vertical_fov),
+        );
     }
     let positive = |x: f32| x > 0.0 && x.is_finite();
     if !positive(settings.path_tolerance) {

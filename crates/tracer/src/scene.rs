@@ -78,6 +78,8 @@ pub struct Scene {
     pub(crate) coats: Vec<Coat>,
     /// Number of the first box of each coat, and one past the last.
     first_box: Vec<u32>,
+    /// The bent boxes of all coats, ready to be asked: preparing one costs more than a ray through it.
+    hexahedra: Vec<Hexahedron>,
     pub(crate) boxes: Accel,
     pub(crate) surfaces: Surfaces,
     pub(crate) materials: Vec<Material>,
@@ -104,6 +106,7 @@ impl Scene {
         }
         let mut first_box = vec![0_u32];
         let mut box_bounds = vec![];
+        let mut hexahedra = vec![];
         let mut reach = 0.0_f32;
         for (coat, c) in coats.iter().enumerate() {
             for patch in 0..c.skin.patches.len() {
@@ -112,6 +115,7 @@ impl Scene {
                     return Err(SceneError::NonFiniteBox { coat, patch });
                 }
                 box_bounds.push([lo, hi]);
+                hexahedra.push(c.skin.hexahedron(patch));
             }
             for (base, top) in c.skin.base.iter().zip(&c.skin.top) {
                 reach = reach.max(base.distance(*top));
@@ -134,6 +138,7 @@ impl Scene {
             surfaces: Surfaces::new(&meshes),
             coats,
             first_box,
+            hexahedra,
             materials,
             textures,
             lights,
@@ -174,8 +179,9 @@ impl Scene {
     }
 
     /// The bent box of a patch.
-    pub(crate) fn hexahedron(&self, patch: u32) -> Hexahedron {
-        self.coats[self.coat_index(patch)].skin.hexahedron(self.patch_index(patch))
+    #[inline]
+    pub(crate) fn hexahedron(&self, patch: u32) -> &Hexahedron {
+        &self.hexahedra[patch as usize]
     }
 
     /// Diffuse albedo of a material at `uv`, averaged over `footprint` units of uv.

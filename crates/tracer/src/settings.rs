@@ -98,7 +98,7 @@ impl Default for Settings {
             path: Path::Curved,
             lod: Lod::default(),
             opacity: Opacity::Exponential,
-            path_tolerance: 0.1,
+            path_tolerance: 0.05,
             min_transmittance: 1.0 / 512.0,
             normals: 8,
             lit_voxels: 8,

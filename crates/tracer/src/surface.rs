@@ -16,7 +16,6 @@ struct Triangle {
     normals: [Vec3; 3],
     uvs: [Vec2; 3],
     material: MaterialId,
-    mesh: u32,
 }
 
 /// A point of an opaque surface, as a ray found it.
@@ -36,8 +35,6 @@ pub(crate) struct SurfaceHit {
     pub uv_density: f32,
     /// What the surface is made of.
     pub material: MaterialId,
-    /// Which mesh of the scene.
-    pub mesh: u32,
 }
 
 impl Surfaces {
@@ -45,8 +42,7 @@ impl Surfaces {
     pub(crate) fn new(meshes: &[Mesh]) -> Self {
         let triangles: Vec<Triangle> = meshes
             .iter()
-            .enumerate()
-            .flat_map(|(m, mesh)| (0..mesh.faces.len()).flat_map(move |f| triangles_of(mesh, m as u32, f)))
+            .flat_map(|mesh| (0..mesh.faces.len()).flat_map(move |f| triangles_of(mesh, f)))
             .collect();
         let bounds: Vec<_> = triangles
             .iter()
@@ -99,12 +95,11 @@ impl Triangle {
             uv: weights.x * p + weights.y * q + weights.z * r,
             uv_density: (uv_area / area.length().max(f32::MIN_POSITIVE)).sqrt(),
             material: self.material,
-            mesh: self.mesh,
         }
     }
 }
 
-fn triangles_of(mesh: &Mesh, index: u32, f: usize) -> impl Iterator<Item = Triangle> + '_ {
+fn triangles_of(mesh: &Mesh, f: usize) -> impl Iterator<Item = Triangle> + '_ {
     let face = &mesh.faces[f];
     let p = |i: usize| mesh.positions[face.vertices[i] as usize];
     let halves: &[[usize; 3]] = if !face.is_quad() {
@@ -122,7 +117,6 @@ fn triangles_of(mesh: &Mesh, index: u32, f: usize) -> impl Iterator<Item = Trian
             normals: mesh.normals.as_ref().map_or([flat; 3], |n| corner.map(|i| n[f][i])),
             uvs: mesh.uvs.as_ref().map_or([Vec2::ZERO; 3], |uv| corner.map(|i| uv[f][i])),
             material: face.material,
-            mesh: index,
         }
     })
 }

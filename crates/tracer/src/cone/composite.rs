@@ -94,7 +94,7 @@ impl View {
             return 0.0;
         }
         let Some(hit) = surface else { return share * transmittance };
-        let width = cone.width(hit.t as f32);
+        let width = cone.width(hit.t) as f32;
         self.surfaces.push(SeenSurface { hit, weight: share * transmittance, direction, width });
         0.0
     }

@@ -32,11 +32,11 @@ impl Band {
 
 /// The continuous level λ = −log₂(footprint in texel units) for a cone at distance `t`, where `jacobian` maps texel
 /// steps to scene steps. Not clamped: negative where one texel is smaller than the footprint.
-pub(crate) fn lambda(lod: Lod, jacobian: &Mat3, direction: Vec3, cone: &Cone, t: f32) -> f32 {
+pub(crate) fn lambda(lod: Lod, jacobian: &Mat3, direction: Vec3, cone: &Cone, t: f64) -> f32 {
     match lod {
         Lod::Level(level) => level as f32,
         Lod::Footprint(rule) => {
-            let footprint = texel_footprint(rule, jacobian, direction, cone.width(t));
+            let footprint = texel_footprint(rule, jacobian, direction, cone.width(t) as f32);
             // A cone of no width reads the finest level; a singular Jacobian the coarsest.
             if footprint.is_nan() { 0.0 } else { -footprint.max(f32::MIN_POSITIVE).log2() }
         }

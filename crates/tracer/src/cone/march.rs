@@ -36,11 +36,11 @@ pub(crate) fn march(
     let Beam { ray, cone, settings } = beam;
     let (coat, patch) = scene.patch(passage.patch);
     let texel = &coat.texel;
-    let local = LocalRay::new(&scene.hexahedron(passage.patch).map, patch.lattice, ray);
+    let local = LocalRay::new(scene.hexahedron(passage.patch).map(), patch.lattice, ray);
 
     let level_at = |end: usize| {
         let jacobian = local.texel_jacobian(passage.u[end].as_vec3());
-        lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end] as f32)
+        lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end])
             .clamp(0.0, texel.depth() as f32)
     };
     let levels = [level_at(0), level_at(1)];
@@ -53,12 +53,18 @@ pub(crate) fn march(
             let tolerance = settings.path_tolerance / (1_u32 << finest) as f32;
             local.chords(passage, tolerance, least, chords);
         }
-        Path::Straight => local.straight(passage, chords),
+        Path::Straight => local.straight(passage, least, chords),
     }
 
     let span = (passage.t[1] - passage.t[0]).max(f64::MIN_POSITIVE);
-    let mut walker =
-        Walker { texel, patch: passage.patch, opacity: settings.opacity, open: None, transmittance: 1.0, trail };
+    let mut walker = Walker {
+        texel,
+        patch: passage.patch,
+        opacity: settings.opacity,
+        open: None,
+        transmittance: 1.0,
+        trail,
+    };
     for chord in chords.iter() {
         let middle = ((0.5 * (chord.t[0] + chord.t[1]) - passage.t[0]) / span) as f32;
         let level = levels[0] + (levels[1] - levels[0]) * middle;
@@ -151,7 +157,9 @@ impl Walker<'_> {
         segment: &Segment,
     ) {
         let matter = level.voxel(voxel);
-        let Some([enter, leave]) = matter.clip(segment.from - cell.as_vec3(), segment.step, range) else { return };
+        let Some([enter, leave]) = matter.clip(segment.from - cell.as_vec3(), segment.step, range) else {
+            return;
+        };
         let depth = matter.depth_per_step(segment.step) * (leave - enter);
         if depth > 0.0 {
             self.trail.pieces.push(Piece {

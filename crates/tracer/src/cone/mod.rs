@@ -79,7 +79,7 @@ impl Trail {
 
 /// The two levels of a cell as they hide each other: each has a transmittance of its own, and what gets through
 /// the cell is their mean. Blending the transmittances, not the depths, keeps a half-covered cell half covered.
-/// [method §6 in `docs/method.md`]
+/// [method §6]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blend {
     weight: [f32; 2],

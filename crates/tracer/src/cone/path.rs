@@ -80,10 +80,15 @@ impl LocalRay {
         }
     }
 
-    /// One chord from entry to exit: the paper's *parcours linéaire*.
-    pub fn straight(&self, passage: &BoxPassage, out: &mut Vec<Chord>) {
-        let texel = |u: DVec3| to_texel(&self.lattice, u.as_vec3());
-        out.push(Chord { t: passage.t, at: passage.u.map(texel) });
+    /// The straight line from entry to exit, in `pieces` of the same length: the paper's *parcours linéaire*.
+    pub fn straight(&self, passage: &BoxPassage, pieces: usize, out: &mut Vec<Chord>) {
+        let [a, b] = passage.u.map(|u| to_texel(&self.lattice, u.as_vec3()));
+        let [start, end] = passage.t;
+        let pieces = pieces.clamp(1, MAX_CHORDS);
+        out.extend((0..pieces).map(|i| {
+            let ends = [i, i + 1].map(|i| i as f64 / pieces as f64);
+            Chord { t: ends.map(|x| start + (end - start) * x), at: ends.map(|x| a.lerp(b, x as f32)) }
+        }));
     }
 
     /// Halves the piece while its own ends say that it bows more than the whole passage's ends foretold.

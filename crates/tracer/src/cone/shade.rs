@@ -1,4 +1,4 @@
-//! The light that a seen voxel or surface sends to the eye. [seed §5.2, §6.1c; method §7 in `docs/method.md`]
+//! The light that a seen voxel or surface sends to the eye. [seed §5.2, §6.1c, method §7]
 
 use glam::{Mat3, Vec2, Vec3};
 use pelage_geom::{Cone, Ellipsoid, Material, material::exponent_of_roughness};
@@ -29,9 +29,9 @@ impl Shader {
         // The shaded point, and the map around it.
         let at = seen.at[0].lerp(seen.at[1], mean_visible(seen.depth));
         let u = to_box(&patch.lattice, at).as_dvec3();
-        let point = hexahedron.map.point(u);
+        let point = hexahedron.map().point(u);
         let to_lattice = Mat3::from_cols(patch.lattice.u.extend(0.0), patch.lattice.v.extend(0.0), Vec3::Z);
-        let jacobian = hexahedron.map.jacobian(u).as_mat3() * to_lattice.inverse();
+        let jacobian = hexahedron.map().jacobian(u).as_mat3() * to_lattice.inverse();
         let inverse = jacobian.inverse();
         if !inverse.is_finite() {
             return Vec3::ZERO; // a corner without volume: nothing is seen of it either
@@ -39,8 +39,10 @@ impl Shader {
         let view = -seen.direction.normalize_or(Vec3::NEG_Y);
 
         let albedo = voxel.albedo * coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
-        let normals = Normals::of(&Ellipsoid(voxel.sigma), inverse * view, &inverse.transpose(), settings.normals);
-        let ambient = albedo * normals.mean(|n| scene.environment.mean_radiance(n)) * voxel.openness;
+        let normals =
+            Normals::of(&Ellipsoid(voxel.sigma), inverse * view, &inverse.transpose(), settings.normals);
+        let open = if settings.shadows { voxel.openness } else { 1.0 };
+        let ambient = open * albedo * normals.mean(|n| scene.environment.mean_radiance(n));
 
         let exponent = exponent_of_roughness(coat.texel.roughness);
         let mut radiance = ambient;
@@ -48,7 +50,8 @@ impl Shader {
             let Some(incoming) = light.incoming(point.as_vec3()) else { continue };
             let to_light = incoming.direction;
             let half = (view + to_light).normalize_or_zero();
-            let reflected = normals.mean(|n| reflection(albedo, coat.texel.specular, exponent, n, to_light, half));
+            let reflected =
+                normals.mean(|n| reflection(albedo, coat.texel.specular, exponent, n, to_light, half));
             if reflected == Vec3::ZERO {
                 continue;
             }
@@ -74,8 +77,8 @@ impl Shader {
                         start: f64::from(way_out(at * scale - cell, step)),
                         end: f64::from(incoming.distance),
                         cone: Cone {
-                            width: jacobian.determinant().abs().cbrt() / scale,
-                            spread: incoming.spread,
+                            width: f64::from(jacobian.determinant().abs().cbrt() / scale),
+                            spread: f64::from(incoming.spread),
                         },
                         correlation,
                     },
@@ -106,7 +109,7 @@ impl Shader {
                 direction: direction.as_dvec3().normalize(),
                 start: 0.0,
                 end: f64::from(end),
-                cone: Cone { width: seen.width, spread },
+                cone: Cone { width: f64::from(seen.width), spread: f64::from(spread) },
                 correlation: Correlation::NONE,
             }
         };

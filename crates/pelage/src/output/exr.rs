@@ -1,0 +1,72 @@
+//! OpenEXR: the film as it is. [EXR]
+
+use std::io;
+use std::path::Path;
+
+use exr::meta::attribute::Chromaticities;
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder,
+    SpecificChannels, Text, Vec2, WritableImage,
+};
+use glam::Mat4;
+use pelage_tracer::{Camera, Film};
+
+use super::{OutputError, check, replace};
+
+/// What an EXR file tells besides its pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExrOptions {
+    /// The camera, for the attribute `worldToCamera`.
+    pub camera: Option<Camera>,
+}
+
+/// Writes `film` as one part with the 32-bit channels R, G, B, A (premultiplied, linear Rec. 709 radiance) and Z
+/// (depth along the view axis; infinite where there is nothing).
+///
+/// The display window is the whole picture, the data window the part that was rendered. Compression is ZIP, lines
+/// stand in increasing order, and the same film gives the same bytes.
+///
+/// # Errors
+/// [`OutputError`]; a file of that name is then what it was before.
+pub fn write_exr(film: &Film, path: &Path, options: &ExrOptions) -> Result<(), OutputError> {
+    check(film)?;
+    let window = film.window;
+    let size = Vec2(window.width as usize, window.height as usize);
+    let channels = SpecificChannels::build()
+        .with_channel("R")
+        .with_channel("G")
+        .with_channel("B")
+        .with_channel("A")
+        .with_channel("Z")
+        .with_pixel_fn(|Vec2(x, y): Vec2<usize>| {
+            let pixel = &film.pixels[y * size.x() + x];
+            (pixel.color.x, pixel.color.y, pixel.color.z, pixel.alpha, pixel.depth)
+        });
+    let mut attributes = LayerAttributes::default();
+    attributes.layer_position = Vec2(window.x as i32, window.y as i32);
+    attributes.software_name = Text::new_or_none(concat!("pelage ", env!("CARGO_PKG_VERSION")));
+    attributes.world_to_camera = options.camera.map(|camera| world_to_camera(&camera).to_cols_array());
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        // Increasing, because the default order leaves the blocks as the compressing threads finish.
+        line_order: LineOrder::Increasing,
+    };
+    let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));
+    let display = IntegerBounds::new((0, 0), (film.size[0] as usize, film.size[1] as usize));
+    image.attributes = ImageAttributes::new(display);
+    image.attributes.chromaticities = Some(Chromaticities {
+        red: Vec2(0.64, 0.33),
+        green: Vec2(0.30, 0.60),
+        blue: Vec2(0.15, 0.06),
+        white: Vec2(0.3127, 0.3290),
+    });
+    // Not on exr's own threads: the caller's pool is the only one there is.
+    replace(path, |file| image.write().non_parallel().to_buffered(file).map_err(io::Error::other))
+}
+
+/// OpenEXR multiplies row vectors from the left: its rows are our columns, so that the order in memory is the same.
+fn world_to_camera(camera: &Camera) -> Mat4 {
+    let camera_to_world = Mat4::from_mat3(camera.orientation);
+    camera_to_world.transpose() * Mat4::from_translation(-camera.position)
+}

@@ -1,0 +1,492 @@
+//! A scene as it is described: what a TOML file holds, and what command-line flags amount to. See `docs/scene.md`.
+
+use std::path::{Path, PathBuf};
+
+use pelage_skin::Folds;
+use pelage_tracer::{Lod, Opacity, Rays};
+use serde::{Deserialize, Deserializer, de};
+
+use crate::choices::{self, Background, FurPreset};
+use crate::error::{Error, FieldError};
+use crate::import::{Fault, Files, ImportOptions, Place, Up};
+use crate::output::Tone;
+use crate::staging::View;
+
+/// A whole scene. Every field has a default but the geometry.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SceneFile {
+    /// The file itself, for messages; references are relative to its folder.
+    #[serde(skip)]
+    pub path: PathBuf,
+    /// Mesh files.
+    pub geometry: Vec<GeometryEntry>,
+    /// What grows on them.
+    pub skin: Vec<SkinEntry>,
+    /// From where the scene is seen.
+    pub camera: Option<CameraEntry>,
+    /// Lights, besides those of the mesh files.
+    pub light: Vec<LightEntry>,
+    /// The light of the surroundings.
+    pub environment: Option<EnvironmentEntry>,
+    /// How it is rendered.
+    pub render: RenderEntry,
+    /// Folders, besides the scene's own, that references may lead to.
+    #[serde(skip)]
+    pub allow_dirs: Vec<PathBuf>,
+}
+
+/// A mesh file and where it stands: scaled, turned, then moved.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeometryEntry {
+    /// A path relative to the scene file.
+    pub file: String,
+    /// The vertical axis of an OBJ file.
+    #[serde(default)]
+    pub up: Up,
+    /// Metres in one unit of the file.
+    #[serde(default = "one")]
+    pub unit: f32,
+    /// Factor of its size.
+    #[serde(default = "one")]
+    pub scale: f32,
+    /// Degrees about x, then y, then z.
+    #[serde(default)]
+    pub rotate: [f32; 3],
+    /// Metres.
+    #[serde(default)]
+    pub translate: [f32; 3],
+}
+
+impl GeometryEntry {
+    /// A file as it stands.
+    pub fn new(file: impl Into<String>) -> Self {
+        Self {
+            file: file.into(),
+            up: Up::Y,
+            unit: 1.0,
+            scale: 1.0,
+            rotate: [0.0; 3],
+            translate: [0.0; 3],
+        }
+    }
+}
+
+/// A skin on some of the meshes.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkinEntry {
+    /// Names of meshes and materials that wear it; none means everything. One name, or a list.
+    #[serde(default, deserialize_with = "names")]
+    pub on: Vec<String>,
+    /// What grows.
+    #[serde(default)]
+    pub texel: TexelEntry,
+    /// Metres; by default 6 % of half the diagonal of the meshes that wear it.
+    #[serde(default)]
+    pub height: Option<f32>,
+    /// Copies of the texel per unit of texture coordinates (per face side where there are none).
+    #[serde(default)]
+    pub tiling: Option<f32>,
+    /// Width of a copy over its height, where there is no `tiling`.
+    #[serde(default = "one")]
+    pub aspect: f32,
+    /// Multiplies the texel's colours; linear.
+    #[serde(default = "white")]
+    pub tint: [f32; 3],
+    /// Whether the colour of the surface below multiplies the texel's colours too.
+    #[serde(default = "yes")]
+    pub wears_material: bool,
+    /// What is done with boxes that fold over in tight creases.
+    #[serde(default, deserialize_with = "choices::deserialize")]
+    pub folds: Folds,
+}
+
+impl Default for SkinEntry {
+    /// Long fur on everything.
+    fn default() -> Self {
+        Self {
+            on: Vec::new(),
+            texel: TexelEntry::default(),
+            height: None,
+            tiling: None,
+            aspect: 1.0,
+            tint: white(),
+            wears_material: true,
+            folds: Folds::default(),
+        }
+    }
+}
+
+/// What grows on a skin.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TexelEntry {
+    /// Fur.
+    Fur(FurEntry),
+}
+
+impl Default for TexelEntry {
+    fn default() -> Self {
+        Self::Fur(FurEntry::default())
+    }
+}
+
+/// A preset of [`Fur`](pelage_texel::Fur), and what is different from it. Lengths are in texel units.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FurEntry {
+    /// What it starts from.
+    pub preset: FurPreset,
+    /// Voxels a side: a power of two from 2 to 512.
+    pub resolution: u32,
+    /// Which of the many furs with these settings.
+    pub seed: Option<u64>,
+    /// Strands in a copy.
+    pub count: Option<u32>,
+    /// Length of a strand.
+    pub length: Option<f32>,
+    /// Radius at the root.
+    pub root_radius: Option<f32>,
+    /// Mean slope along u and v.
+    pub lean: Option<[f32; 2]>,
+    /// Slope of random bends.
+    pub curl: Option<f32>,
+    /// How far tips gather in locks.
+    pub clump: Option<f32>,
+    /// Linear albedo at the root.
+    pub root_color: Option<[f32; 3]>,
+    /// Linear albedo at the tip.
+    pub tip_color: Option<[f32; 3]>,
+}
+
+impl Default for FurEntry {
+    fn default() -> Self {
+        Self {
+            preset: FurPreset::Long,
+            resolution: 128,
+            seed: None,
+            count: None,
+            length: None,
+            root_radius: None,
+            lean: None,
+            curl: None,
+            clump: None,
+            root_color: None,
+            tip_color: None,
+        }
+    }
+}
+
+/// From where the scene is seen.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CameraEntry {
+    /// From a place to another.
+    LookAt(LookAt),
+    /// From a direction, at the distance that fits everything in.
+    Framed(View),
+    /// As the camera of this name in a mesh file.
+    Named(String),
+}
+
+/// A camera by two points.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LookAt {
+    /// Where the eye is, in metres.
+    pub eye: [f32; 3],
+    /// What is in the middle of the picture.
+    pub target: [f32; 3],
+    /// What is upwards in the picture.
+    #[serde(default = "upwards")]
+    pub up: [f32; 3],
+    /// Vertical angle of view in degrees.
+    #[serde(default = "thirty")]
+    pub fov: f32,
+}
+
+/// A light. Units are those of KHR_lights_punctual.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum LightEntry {
+    /// The sun.
+    Directional {
+        /// The way the light travels.
+        direction: [f32; 3],
+        /// Lux, by colour.
+        illuminance: [f32; 3],
+        /// Degrees under which it is seen.
+        #[serde(default = "sun_angle")]
+        angle: f32,
+    },
+    /// A small sphere.
+    Point {
+        /// Metres.
+        position: [f32; 3],
+        /// Candela, by colour.
+        intensity: [f32; 3],
+        /// Metres.
+        #[serde(default)]
+        radius: f32,
+    },
+    /// A sphere that shines into a cone.
+    Spot {
+        /// Metres.
+        position: [f32; 3],
+        /// The cone's axis.
+        direction: [f32; 3],
+        /// Candela on the axis, by colour.
+        intensity: [f32; 3],
+        /// Degrees from the axis within which it is full.
+        #[serde(default)]
+        inner: f32,
+        /// Degrees from the axis beyond which there is none.
+        #[serde(default = "forty_five")]
+        outer: f32,
+        /// Metres.
+        #[serde(default)]
+        radius: f32,
+    },
+}
+
+/// The light of the surroundings, in radiance.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnvironmentEntry {
+    /// From straight above.
+    pub sky: [f32; 3],
+    /// From straight below.
+    pub ground: [f32; 3],
+}
+
+/// How a scene is rendered.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RenderEntry {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The part to render: x0, x1, y0, y1 in pixels, the ends not included.
+    pub crop: Option<[u32; 4]>,
+    /// Rays a pixel.
+    #[serde(deserialize_with = "choices::deserialize")]
+    pub rays: Rays,
+    /// How cones go through bent boxes.
+    #[serde(deserialize_with = "choices::deserialize")]
+    pub path: pelage_tracer::Path,
+    /// Which level of detail they read.
+    #[serde(deserialize_with = "choices::deserialize")]
+    pub lod: Lod,
+    /// How depth becomes opacity.
+    #[serde(deserialize_with = "choices::deserialize")]
+    pub opacity: Opacity,
+    /// Whether there are shadows.
+    pub shadows: bool,
+    /// Stops added to the automatic exposure.
+    pub exposure: f32,
+    /// The curve of the brightest parts, in PNG.
+    pub tone: Tone,
+    /// What stands behind; by default the sky in PNG, nothing in EXR.
+    #[serde(deserialize_with = "choices::deserialize_some")]
+    pub background: Option<Background>,
+}
+
+impl Default for RenderEntry {
+    fn default() -> Self {
+        let settings = pelage_tracer::Settings::default();
+        Self {
+            size: settings.size,
+            crop: None,
+            rays: settings.rays,
+            path: settings.path,
+            lod: settings.lod,
+            opacity: settings.opacity,
+            shadows: settings.shadows,
+            exposure: 0.0,
+            tone: Tone::default(),
+            background: None,
+        }
+    }
+}
+
+fn one() -> f32 {
+    1.0
+}
+fn white() -> [f32; 3] {
+    [1.0; 3]
+}
+fn yes() -> bool {
+    true
+}
+fn upwards() -> [f32; 3] {
+    [0.0, 1.0, 0.0]
+}
+fn thirty() -> f32 {
+    30.0
+}
+fn forty_five() -> f32 {
+    45.0
+}
+fn sun_angle() -> f32 {
+    0.53
+}
+
+/// One name or a list of names.
+fn names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    struct Names;
+    impl<'de> de::Visitor<'de> for Names {
+        type Value = Vec<String>;
+
+        fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+            f.write_str("a name or a list of names")
+        }
+
+        fn visit_str<E: de::Error>(self, name: &str) -> Result<Vec<String>, E> {
+            Ok(vec![name.to_owned()])
+        }
+
+        fn visit_seq<A: de::SeqAccess<'de>>(self, mut list: A) -> Result<Vec<String>, A::Error> {
+            let mut names = Vec::new();
+            while let Some(name) = list.next_element()? {
+                names.push(name);
+            }
+            Ok(names)
+        }
+    }
+    deserializer.deserialize_any(Names)
+}
+
+impl SceneFile {
+    /// The scene of a single mesh file, with nothing growing on it.
+    pub fn of_mesh(path: &Path) -> Self {
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Self { path: path.to_owned(), geometry: vec![GeometryEntry::new(file)], ..Self::default() }
+    }
+
+    /// Reads a TOML scene.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not TOML (with its line), or does not describe a scene (with the field).
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let limits = ImportOptions::default().limits;
+        let files = Files::around(path, &[], limits)?;
+        let bytes = files.read(path).map_err(|fault| fault.at(path, Place::File))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            Fault::Syntax("is not UTF-8 text".into()).at(path, Place::Byte(e.utf8_error().valid_up_to()))
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a TOML scene; `path` is what references are relative to.
+    ///
+    /// # Errors
+    /// As [`SceneFile::open`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, Error> {
+        let mut scene: Self = toml::from_str(text).map_err(|e| {
+            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            let line = before.matches('\n').count() + 1;
+            let message = e.message().split('\n').next().unwrap_or_default().to_owned();
+            Fault::Syntax(message).at(path, Place::Line(line))
+        })?;
+        scene.path = path.to_owned();
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// The folder that references are relative to.
+    pub fn folder(&self) -> &Path {
+        self.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+    }
+
+    /// Checks that every number is in its domain.
+    ///
+    /// # Errors
+    /// The first field that is not.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        let check = |field: String, ok: bool, reason: &str| {
+            if ok {
+                Ok(())
+            } else {
+                Err(FieldError { file: self.path.clone(), field, reason: reason.to_owned() })
+            }
+        };
+        // Far beyond any scene, and products of three still fit in an f32.
+        let usable = |x: f32| x.abs() <= 1e12;
+        let all_usable = |v: &[f32]| v.iter().copied().all(usable);
+        let positive = |x: f32| x > 0.0 && usable(x);
+        let color = |c: &[f32]| c.iter().all(|&x| x >= 0.0 && usable(x));
+        let direction = |d: &[f32]| all_usable(d) && d.iter().any(|&x| x != 0.0);
+        const POSITIVE: &str = "must be positive and finite";
+        const FINITE: &str = "must be finite";
+        const COLOR: &str = "must hold three finite numbers, none negative";
+        const DIRECTION: &str = "must be finite and not zero";
+
+        check("geometry".into(), !self.geometry.is_empty(), "at least one mesh file is needed")?;
+        for (i, g) in self.geometry.iter().enumerate() {
+            let field = |name: &str| format!("geometry[{i}].{name}");
+            check(field("unit"), positive(g.unit), POSITIVE)?;
+            check(field("scale"), positive(g.scale), POSITIVE)?;
+            check(field("rotate"), all_usable(&g.rotate), FINITE)?;
+            check(field("translate"), all_usable(&g.translate), FINITE)?;
+        }
+        for (i, s) in self.skin.iter().enumerate() {
+            let field = |name: &str| format!("skin[{i}].{name}");
+            check(field("height"), s.height.is_none_or(positive), POSITIVE)?;
+            check(field("tiling"), s.tiling.is_none_or(positive), POSITIVE)?;
+            check(field("aspect"), positive(s.aspect), POSITIVE)?;
+            check(field("tint"), color(&s.tint), COLOR)?;
+            let TexelEntry::Fur(fur) = &s.texel;
+            let power = fur.resolution.is_power_of_two() && (2..=512).contains(&fur.resolution);
+            check(field("texel.fur.resolution"), power, "must be a power of two from 2 to 512")?;
+            let few = fur.count.is_none_or(|n| n <= 1_000_000);
+            check(field("texel.fur.count"), few, "must be at most 1000000")?;
+        }
+        match &self.camera {
+            Some(CameraEntry::LookAt(c)) => {
+                let numbers = all_usable(&c.eye) && all_usable(&c.target) && direction(&c.up);
+                check("camera.look_at".into(), numbers, FINITE)?;
+                check("camera.look_at".into(), c.eye != c.target, "the eye must not be at the target")?;
+                check("camera.look_at.fov".into(), c.fov > 0.0 && c.fov < 180.0, "must be within (0, 180) degrees")?;
+            }
+            Some(CameraEntry::Framed(v)) => {
+                check("camera.framed.azimuth".into(), usable(v.azimuth), FINITE)?;
+                check("camera.framed.elevation".into(), v.elevation.abs() <= 90.0, "must be within ±90 degrees")?;
+                check("camera.framed.zoom".into(), v.zoom >= 1e-3 && v.zoom <= 1e6, "must be from 0.001 to 1000000")?;
+                check("camera.framed.fov".into(), v.fov > 0.0 && v.fov < 180.0, "must be within (0, 180) degrees")?;
+            }
+            Some(CameraEntry::Named(_)) | None => {}
+        }
+        for (i, light) in self.light.iter().enumerate() {
+            let field = |name: &str| format!("light[{i}].{name}");
+            const RADIUS: &str = "must be finite and not negative";
+            match light {
+                LightEntry::Directional { direction: d, illuminance, angle } => {
+                    check(field("directional.direction"), direction(d), DIRECTION)?;
+                    check(field("directional.illuminance"), color(illuminance), COLOR)?;
+                    check(field("directional.angle"), *angle >= 0.0 && *angle <= 90.0, "must be from 0 to 90 degrees")?;
+                }
+                LightEntry::Point { position, intensity, radius } => {
+                    check(field("point.position"), all_usable(position), FINITE)?;
+                    check(field("point.intensity"), color(intensity), COLOR)?;
+                    check(field("point.radius"), *radius >= 0.0 && usable(*radius), RADIUS)?;
+                }
+                LightEntry::Spot { position, direction: d, intensity, inner, outer, radius } => {
+                    check(field("spot.position"), all_usable(position), FINITE)?;
+                    check(field("spot.direction"), direction(d), DIRECTION)?;
+                    check(field("spot.intensity"), color(intensity), COLOR)?;
+                    let cone = *inner >= 0.0 && inner < outer && *outer <= 90.0;
+                    check(field("spot"), cone, "0 ≤ inner < outer ≤ 90 degrees must hold")?;
+                    check(field("spot.radius"), *radius >= 0.0 && usable(*radius), RADIUS)?;
+                }
+            }
+        }
+        if let Some(e) = &self.environment {
+            check("environment.sky".into(), color(&e.sky), COLOR)?;
+            check("environment.ground".into(), color(&e.ground), COLOR)?;
+        }
+        let [x0, x1, y0, y1] = self.render.crop.unwrap_or([0, 1, 0, 1]);
+        check("render.crop".into(), x0 < x1 && y0 < y1, "must be x0, x1, y0, y1 with x0 < x1 and y0 < y1")?;
+        check("render.exposure".into(), self.render.exposure.abs() <= 60.0, "must be within ±60 stops")
+    }
+}
