@@ -49,13 +49,13 @@ pub enum SkinError {
         first: Fold,
     },
     /// More vertices or patches than 32-bit indices can name.
-    #[error("mesh `{mesh}`: the skin would have {count} {what}, more than 32-bit indices can name")]
+    #[error("mesh `{mesh}`: the skin may need {count} {what}, more than 32-bit indices can name")]
     TooLarge {
         /// The mesh's name.
         mesh: String,
         /// `vertices` or `patches`.
         what: &'static str,
-        /// How many.
+        /// How many at most.
         count: usize,
     },
     /// A list of the skin has another length than the one it goes with.

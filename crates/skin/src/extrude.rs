@@ -36,18 +36,17 @@ pub fn extrude(
         return Err(SkinError::NothingSelected { mesh: mesh.name.clone(), faces, zero_area });
     }
     let plan = Plan::new(&surface, mesh.uvs.is_some(), options);
-    if matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface) {
+    report.refined = matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface);
+    check_size(mesh, &surface, report.refined)?;
+    if report.refined {
         surface = refine::refine(&surface);
-        report.refined = true;
     }
     polygon::count_edges(&surface.polygons, &mut report);
-    for (what, count) in [("vertices", surface.positions.len()), ("patches", 2 * surface.polygons.len())] {
-        if count >= Face::NONE as usize {
-            return Err(SkinError::TooLarge { mesh: mesh.name.clone(), what, count });
-        }
-    }
 
     let (mut patches, uvs) = dressing::dress(&surface, plan, options, &mut report);
+    if mesh.uvs.is_some() && options.layout == Layout::Auto && matches!(plan, Plan::PerPatch { .. }) {
+        report.zero_area_uvs = patches.len();
+    }
     let vectors = normals::vectors(&surface.positions, &patches, &surface.bystanders);
     let used = number_vertices(&surface, &mut patches);
     let base = gather(&surface.positions, &used);
@@ -82,6 +81,21 @@ pub fn extrude(
     report.copy_width = copy_width(&patches, &base);
     (report.folds, report.mended_vertices, report.shortest) = (folds, mended_vertices, shortest);
     Ok(Skin { base, top, patches, uvs: mesh.uvs.is_some().then_some(uvs), report })
+}
+
+/// Refuses a surface whose skin might have more vertices or patches than indices can name.
+fn check_size(mesh: &Mesh, surface: &Surface, refined: bool) -> Result<(), SkinError> {
+    let faces = surface.polygons.len() + surface.bystanders.len();
+    // A quad that is not convex is the worst: five edges and two centres, six quads of perhaps two prisms each.
+    let (more_vertices, patches_each) = if refined { (7 * faces, 12) } else { (0, 2) };
+    for (what, count) in
+        [("vertices", surface.positions.len() + more_vertices), ("patches", patches_each * faces)]
+    {
+        if count >= Face::NONE as usize {
+            return Err(SkinError::TooLarge { mesh: mesh.name.clone(), what, count });
+        }
+    }
+    Ok(())
 }
 
 /// Numbers the vertices that `patches` use, in their order, and returns what each was in `surface`.

@@ -1,5 +1,5 @@
 //! Turns a mesh into a *skin*: trilinear boxes standing on its quads, prisms on its triangles, each knowing
-//! where in the periodic lattice of a texel it lies. [Neyret98] [seed §4.3]
+//! where in the periodic lattice of a texel it lies. [Neyret98 §3] [seed §4.3]
 //!
 //! ```
 //! use pelage_skin::{SkinOptions, extrude, surface};

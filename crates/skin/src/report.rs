@@ -112,6 +112,9 @@ impl fmt::Display for Report {
     /// One line of what there is, then one line for each thing worth knowing; ends without a line break.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} boxes, {} prisms; a texel is {:.4} m wide", self.boxes, self.prisms, self.copy_width)?;
+        if self.refined {
+            write!(f, "\ntriangles without texture coordinates: every face of n corners became n quads")?;
+        }
         let mut note = |count: usize, what: &str| match count {
             0 => Ok(()),
             n => write!(f, "\n{n} {what}"),
@@ -128,7 +131,6 @@ impl fmt::Display for Report {
         note(self.open_edges, "open edges")?;
         note(self.non_manifold_edges, "edges with more than two faces")?;
         note(self.misoriented_edges, "edges between faces of opposite orientation")?;
-        note(usize::from(self.refined), "mesh refined: every face of n corners became n quads")?;
         note(self.split_by_uvs, "quads split because their texture coordinates are not affine")?;
         note(self.split_nonplanar, "quads split because they are not planar")?;
         note(self.split_concave, "quads split because they are not convex")?;

@@ -60,56 +60,64 @@ pub(crate) struct Settled {
 /// Erects the boxes, `options.height` along each of `unit`, and deals with those that are folded.
 ///
 /// Mending shortens all the vectors of a folded box by a factor and checks every box that shares one of them, until
-/// none is folded. A box that would be folded even at the shortest height allowed is left out at once,
-/// so that its neighbours are not shortened for nothing. Every round shortens at least one vector and none is
-/// shortened below its limit, so the rounds end.
+/// none is folded. A box that would be folded even at the shortest height allowed is left out at once, so
+/// that its neighbours are not shortened for nothing. Every round shortens a vector or leaves out a box, and a box
+/// whose vectors are all at their shortest is either valid or left out, so the rounds end.
 pub(crate) fn settle(base: &[Vec3], unit: &[Vec3], patches: &[Patch], options: &SkinOptions) -> Settled {
     let reach = |scale: &[f32]| -> Vec<Vec3> {
         let vertices = base.par_iter().zip(unit).zip(scale);
         vertices.map(|((b, n), s)| *b + s * options.height * *n).collect()
     };
-    let mut scale = vec![1.0; base.len()];
-    let mut top = reach(&scale);
-    let mut kept = vec![true; patches.len()];
     let depth = options.certificate_depth;
-    let mut folded = faults(patches, base, &top, depth);
-    let mut folds: Vec<Option<Fold>> = Vec::new();
-    if folded.is_empty() || options.folds == Folds::Refuse {
-        return Settled { top, kept, folds: folded, mended_vertices: 0, shortest: 1.0 };
+    let mut scale = vec![1.0; base.len()];
+    let mut settled = Settled {
+        top: reach(&scale),
+        kept: vec![true; patches.len()],
+        folds: Vec::new(),
+        mended_vertices: 0,
+        shortest: 1.0,
+    };
+    let found = faults(patches, base, &settled.top, depth);
+    if found.is_empty() || options.folds == Folds::Refuse {
+        return Settled { folds: found, ..settled };
     }
-    folds.resize(patches.len(), None);
     let lowest = reach(&vec![options.shortest; base.len()]);
-    while !folded.is_empty() {
-        let mut changed = vec![false; base.len()];
-        for fold in &folded {
-            let Outcome::Found { patch } = fold.outcome else { continue };
-            let i = patch as usize;
-            let hopeless =
-                options.folds == Folds::LeaveOut || fault(i, &patches[i], base, &lowest, depth).is_some();
-            let outcome = if hopeless { Outcome::LeftOut } else { Outcome::Mended { patch } };
-            kept[i] = !hopeless;
-            folds[i].get_or_insert(*fold).outcome = outcome;
-            for &v in patches[i].corners().iter().filter(|_| !hopeless) {
+    let judge = |(i, fold): (usize, Fold)| {
+        let mendable = options.folds == Folds::Mend && fault(i, &patches[i], base, &lowest, depth).is_none();
+        let outcome = if mendable { Outcome::Mended { patch: i as u32 } } else { Outcome::LeftOut };
+        (i, Fold { outcome, ..fold })
+    };
+    let mut folds = vec![None; patches.len()];
+    let mut changed = vec![true; base.len()];
+    loop {
+        // What was changed in the last round, and the first time everything.
+        let folded: Vec<(usize, Fold)> = (0..patches.len())
+            .into_par_iter()
+            .filter(|&i| settled.kept[i] && patches[i].corners().iter().any(|&v| changed[v as usize]))
+            .filter_map(|i| fault(i, &patches[i], base, &settled.top, depth).map(|fold| (i, fold)))
+            .map(judge)
+            .collect();
+        if folded.is_empty() {
+            break;
+        }
+        changed.fill(false);
+        for (i, fold) in folded {
+            settled.kept[i] = fold.outcome != Outcome::LeftOut;
+            // The first finding stands, at full height; the last outcome.
+            folds[i].get_or_insert(fold).outcome = fold.outcome;
+            for &v in patches[i].corners().iter().filter(|_| settled.kept[i]) {
                 changed[v as usize] = true;
             }
         }
         for (s, _) in scale.iter_mut().zip(&changed).filter(|(_, c)| **c) {
             *s = (*s * SHORTENING).max(options.shortest);
         }
-        top = reach(&scale);
-        folded = (0..patches.len())
-            .into_par_iter()
-            .filter(|&i| kept[i] && patches[i].corners().iter().any(|&v| changed[v as usize]))
-            .filter_map(|i| fault(i, &patches[i], base, &top, depth))
-            .collect();
+        settled.top = reach(&scale);
     }
-    Settled {
-        kept,
-        folds: folds.into_iter().flatten().collect(),
-        mended_vertices: scale.iter().filter(|&&s| s < 1.0).count(),
-        shortest: scale.iter().copied().fold(1.0, f32::min),
-        top,
-    }
+    settled.folds = folds.into_iter().flatten().collect();
+    settled.mended_vertices = scale.iter().filter(|&&s| s < 1.0).count();
+    settled.shortest = scale.iter().copied().fold(1.0, f32::min);
+    settled
 }
 
 /// The folded boxes among `patches`, in their order.

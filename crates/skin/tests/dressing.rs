@@ -144,9 +144,10 @@ fn coordinates_without_area_fall_back_on_the_shape() {
 #[test]
 fn coordinates_on_a_line_have_no_area_despite_rounding() {
     let mut mesh = surface::plane(1.0, 1, 1);
+    // Their rounding, 4e-6, is far more than nothing at 100 copies a unit.
     let on_line = |x: f32| Vec2::new(x, 100.0 + 0.1 * x);
-    mesh.uvs = Some(vec![[0.1, 0.4, 0.7, 0.4].map(on_line)]);
-    let skin = extrude(&mesh, &|_| true, &SkinOptions { layout: Layout::Uv, ..tiled(1.0) }).unwrap();
+    mesh.uvs = Some(vec![[0.1, 0.35, 0.8, 0.55].map(on_line)]);
+    let skin = extrude(&mesh, &|_| true, &SkinOptions { layout: Layout::Uv, ..tiled(100.0) }).unwrap();
     assert_eq!(skin.report.zero_area_uvs, 1);
     skin.validate(4).unwrap();
 }
@@ -157,6 +158,7 @@ fn without_any_area_in_them_coordinates_are_not_used() {
     mesh.uvs = Some(vec![[Vec2::ZERO; 4]; 4]);
     let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.1)).unwrap();
     assert!(skin.patches.iter().all(|p| p.lattice == Lattice::UNIT));
+    assert_eq!(skin.report.zero_area_uvs, 4);
     let none = Mesh { uvs: None, ..mesh };
     let options = SkinOptions { layout: Layout::Uv, ..SkinOptions::new(0.1) };
     assert_eq!(extrude(&none, &|_| true, &options), Err(SkinError::NoUvs { mesh: "plane".into() }));

@@ -95,6 +95,20 @@ fn what_cannot_be_mended_does_not_shorten_its_neighbours() {
 }
 
 #[test]
+fn mended_patches_are_named_by_their_place_in_the_skin() {
+    // The second quad of the second row is inside out and goes; those that follow move up by one.
+    let mut mesh = groove();
+    mesh.faces[9].vertices.swap(1, 3);
+    let skin = extrude(&mesh, &|_| true, &options(1.5, Folds::Mend)).unwrap();
+    assert_eq!((skin.len(), skin.report.left_out(), skin.report.mended()), (23, 1, 6));
+    for fold in &skin.report.folds {
+        if let Outcome::Mended { patch } = fold.outcome {
+            assert_eq!(skin.patches[patch as usize].face, fold.face);
+        }
+    }
+}
+
+#[test]
 fn a_height_below_the_rounding_of_the_vertices_leaves_nothing() {
     let mut mesh = surface::plane(1.0, 2, 2);
     mesh.positions.iter_mut().for_each(|p| p.y = 1000.0);

@@ -151,6 +151,19 @@ fn a_mesh_of_triangles_and_quads_conforms() {
 }
 
 #[test]
+fn a_quad_that_is_not_convex_is_cut_before_it_is_split() {
+    // An arrowhead, whose corners' mean (0.3, 0.3) lies outside it, beside a triangle.
+    let at = |x, y| Vec3::new(x, y, 0.0);
+    let positions = vec![at(0.0, 0.0), at(1.0, 0.0), at(0.2, 0.2), at(0.0, 1.0), at(0.0, -1.0)];
+    let faces = vec![Face::quad([0, 1, 2, 3], MaterialId(0)), Face::triangle([0, 4, 1], MaterialId(0))];
+    let mesh = Mesh { name: "arrow".into(), positions, faces, ..Mesh::default() };
+    let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.1)).unwrap();
+    assert_eq!((skin.report.boxes, skin.report.open_edges), (9, 10));
+    assert!(skin.report.folds.is_empty());
+    skin.validate(6).unwrap();
+}
+
+#[test]
 fn a_mesh_that_is_split_at_its_seams_is_welded() {
     let whole = surface::cube_sphere(1.0, 4);
     let mut apart = Mesh { name: "apart".into(), ..Mesh::default() };
