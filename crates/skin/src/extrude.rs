@@ -50,7 +50,7 @@ pub fn extrude(
     let vectors = normals::vectors(&surface.positions, &patches, &surface.bystanders);
     let used = number_vertices(&surface, &mut patches);
     let base = gather(&surface.positions, &used);
-    let unit = gather(&vectors.unit, &used);
+    let unit: Vec<Vec3> = gather(&vectors.unit, &used).into_iter().map(|n| tilted(n, options.lean)).collect();
     let among_used = |all: &[u32]| -> Vec<u32> {
         all.iter().filter_map(|v| used.binary_search(v).ok()).map(|i| i as u32).collect()
     };
@@ -112,6 +112,11 @@ fn number_vertices(surface: &Surface, patches: &mut [Patch]) -> Vec<u32> {
         *v = place[*v as usize];
     }
     used
+}
+
+/// A unit normal tilted by the part of `lean` across it; unit length.
+fn tilted(normal: Vec3, lean: Vec3) -> Vec3 {
+    (normal + lean.reject_from_normalized(normal.normalize_or(Vec3::Y))).normalize_or(normal)
 }
 
 fn gather(values: &[Vec3], indices: &[u32]) -> Vec<Vec3> {

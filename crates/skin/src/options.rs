@@ -1,5 +1,6 @@
 //! What a skin is asked to be.
 
+use glam::Vec3;
 use pelage_geom::Mesh;
 
 use crate::SkinError;
@@ -52,6 +53,9 @@ pub enum Border {
 pub struct SkinOptions {
     /// Length of the vertex vectors, in metres; positive, at most [`Mesh::POSITION_LIMIT`].
     pub height: f32,
+    /// Tilts every vector the same way, as wind or weight would: its part across a vertex's unit normal is added
+    /// to that normal (a length of 1 tilts by 45°, where it lies in the surface). Zero leaves them upright.
+    pub lean: Vec3,
     /// Where texel coordinates come from.
     pub layout: Layout,
     /// Copies of the texel per unit of texture coordinates (per patch side in [`Layout::PerPatch`], rounded to
@@ -81,6 +85,7 @@ impl Default for SkinOptions {
     fn default() -> Self {
         Self {
             height: 0.01,
+            lean: Vec3::ZERO,
             layout: Layout::Auto,
             tiling: None,
             aspect: 1.0,
@@ -93,6 +98,9 @@ impl Default for SkinOptions {
         }
     }
 }
+
+/// Beyond, a vector lies flat to within half a degree, and its square runs out of digits.
+const MOST_LEAN: f32 = 100.0;
 
 impl SkinOptions {
     /// The defaults at `height` metres.
@@ -124,6 +132,7 @@ impl SkinOptions {
                 self.height > 0.0 && self.height <= Mesh::POSITION_LIMIT,
                 "it must be positive and at most 1e12 m",
             ),
+            ("lean", self.lean.length(), self.lean.length() <= MOST_LEAN, "a length of at most 100"),
             ("aspect", self.aspect, positive(self.aspect), POSITIVE),
             ("tiling", self.tiling.unwrap_or(1.0), self.tiling.is_none_or(positive), POSITIVE),
             (

@@ -325,3 +325,31 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn lean_tilts_by_its_part_across_the_normal() {
+    // On a plane facing +Y, a lean of (1, 5, 0) has the part (1, 0, 0) across: vectors turn 45° towards +x and
+    // keep their length. On a sphere the boxes stay valid, and the pole, where the lean is the normal, stays.
+    let options = SkinOptions { lean: Vec3::new(1.0, 5.0, 0.0), ..SkinOptions::new(0.2) };
+    let plane = extrude(&surface::plane(2.0, 4, 4), &|_| true, &options).unwrap();
+    let diagonal = 0.2 * Vec3::new(1.0, 1.0, 0.0).normalize();
+    assert!(plane.base.iter().zip(&plane.top).all(|(b, t)| (*t - *b - diagonal).length() < 1e-6));
+    assert_certified(&plane);
+
+    let options = SkinOptions { lean: Vec3::new(0.0, -0.8, 0.0), ..SkinOptions::new(0.1) };
+    let sphere = extrude(&surface::cube_sphere(1.0, 8), &|_| true, &options).unwrap();
+    let pole = (0..sphere.base.len()).max_by(|&a, &b| sphere.base[a].y.total_cmp(&sphere.base[b].y)).unwrap();
+    assert!((sphere.top[pole] - sphere.base[pole] - 0.1 * Vec3::Y).length() < 1e-5);
+    let side = (0..sphere.base.len()).min_by(|&a, &b| {
+        let height = |i: usize| sphere.base[i].y.abs() + sphere.base[i].z.abs();
+        height(a).total_cmp(&height(b))
+    });
+    assert!(sphere.top[side.unwrap()].y < -0.05);
+    assert_certified(&sphere);
+
+    let flat = SkinOptions { lean: Vec3::new(f32::NAN, 0.0, 0.0), ..SkinOptions::new(0.1) };
+    assert!(matches!(
+        extrude(&surface::plane(1.0, 1, 1), &|_| true, &flat),
+        Err(SkinError::Option { option: "lean", .. })
+    ));
+}
