@@ -6,8 +6,8 @@ use std::hint::black_box;
 
 use boxes::{COUNT, KINDS, Random};
 use criterion::{Criterion, criterion_group, criterion_main};
-use pelage_geom::glam::DVec3;
-use pelage_geom::{Ellipsoid, Footprint, texel_footprint};
+use pelage::geom::glam::DVec3;
+use pelage::geom::{Ellipsoid, Footprint, texel_footprint};
 
 fn ellipsoids(c: &mut Criterion) {
     let mut group = c.benchmark_group("ellipsoid");

@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use boxes::{COUNT, KINDS, Random};
 use criterion::{Criterion, criterion_group, criterion_main};
-use pelage_geom::Hexahedron;
+use pelage::geom::Hexahedron;
 
 fn passages(c: &mut Criterion) {
     let mut group = c.benchmark_group("hexahedron");

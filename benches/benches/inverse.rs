@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use boxes::{COUNT, KINDS, Random};
 use criterion::{Criterion, criterion_group, criterion_main};
-use pelage_geom::{DTrilinear, Hexahedron, certify, paper};
+use pelage::geom::{DTrilinear, Hexahedron, certify, paper};
 
 fn inverse(c: &mut Criterion) {
     let mut group = c.benchmark_group("inverse");

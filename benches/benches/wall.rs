@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use boxes::{COUNT, KINDS, Random};
 use criterion::{Criterion, criterion_group, criterion_main};
-use pelage_geom::{DTrilinear, RaySpace, paper, wall_hits};
+use pelage::geom::{DTrilinear, RaySpace, paper, wall_hits};
 
 fn walls(c: &mut Criterion) {
     let mut group = c.benchmark_group("wall");

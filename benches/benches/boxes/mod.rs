@@ -1,15 +1,17 @@
 //! Seeded boxes and rays to measure on: mild (corners jittered by a tenth) and strong (top twisted and sheared).
 #![allow(dead_code, reason = "each bench is its own crate and uses a part of this")]
 
-use pelage_geom::glam::{DVec3, Quat, Vec3};
-use pelage_geom::{Ray, Trilinear};
+use pelage::geom::glam::{DVec3, Quat, Vec3};
+use pelage::geom::{Ray, Trilinear};
 
 /// How many of everything a bench cycles through: enough that branches are not learnt by heart.
 pub const COUNT: usize = 1024;
 
+/// Makes one box.
+pub type Make = fn(&mut Random) -> Trilinear;
+
 /// The two kinds of boxes.
-pub const KINDS: [(&str, fn(&mut Random) -> Trilinear); 2] =
-    [("mild", Random::mild), ("strong", Random::strong)];
+pub const KINDS: [(&str, Make); 2] = [("mild", Random::mild), ("strong", Random::strong)];
 
 /// SplitMix64. [Steele14]
 pub struct Random(pub u64);

@@ -1,4 +1,4 @@
-//! Proof that a box is not folded: Bernstein bounds of det J. [method of seed §5: "where T is bijective"]
+//! Proof that a box is not folded: Bernstein bounds of det J. [seed §5]
 //!
 //! det J is a polynomial of degree 2 in each coordinate, so it lies between the smallest and largest of its 27
 //! Bernstein coefficients. All positive is a proof; where some are not, the box is halved until it is decided. In a
@@ -50,7 +50,7 @@ pub fn certify(hexahedron: &Hexahedron, max_depth: u32) -> Certificate {
     if hexahedron.is_prism() { certify_prism(map) } else { certify_cuboid(map, max_depth) }
 }
 
-/// 2⁻⁵³ times the number of roundings in a coefficient, with margin.
+/// Bounds the rounding of a coefficient, relative to the longest edges: some forty roundings, with margin.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// Bernstein coefficients of det J over a part of the box, index 9 k + 3 j + i for degrees (i, j, k) in (u, v, w).
@@ -153,7 +153,7 @@ fn split(part: &Part, parts: &mut Vec<Part>) {
 
 fn halve(c: &Coefficients, stride: usize) -> [Coefficients; 2] {
     let (mut lower, mut upper) = (*c, *c);
-    for first in (0..27).filter(|i| i / stride % 3 == 0) {
+    for first in (0..27).filter(|i| (i / stride).is_multiple_of(3)) {
         let [a, b, d] = [c[first], c[first + stride], c[first + 2 * stride]];
         let (ab, bd) = (0.5 * (a + b), 0.5 * (b + d));
         let middle = 0.5 * (ab + bd);

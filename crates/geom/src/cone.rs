@@ -1,4 +1,4 @@
-//! Rays with an aperture, and how wide they are in a texel's own coordinates. [Amanatides84] [seed §4.2]
+//! Rays with an aperture, and how wide they are in a texel's own coordinates. \[Amanatides84\] [seed §4.2]
 
 use glam::{Mat3, Vec3};
 

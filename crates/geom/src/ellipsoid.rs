@@ -1,4 +1,4 @@
-//! The distribution of normals in a voxel, as an ellipsoid in six numbers. [SGGX15] [Neyret98]
+//! The distribution of normals in a voxel, as an ellipsoid in six numbers. [SGGX15 §3] [Neyret98 §3]
 //!
 //! Write S = A Aᵀ. Flakes whose area vectors are A y, with y spread evenly over the unit sphere, show the area
 //! |Aᵀω| = √(ωᵀSω) towards ω: everything here follows from that picture. It holds for a singular S too, so that
@@ -53,7 +53,7 @@ impl Ellipsoid {
             shown += f64::from(weight) * (axes.transpose() * n).abs().as_dvec3();
             total += f64::from(weight);
         }
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return Self::default();
         }
         let shown = (shown / total).as_vec3();
@@ -121,7 +121,7 @@ impl Ellipsoid {
 
     /// J⁻ᵀ S J⁻¹: the ellipsoid in the space that `j` maps to; a uniform scale s turns σ into σ/s.
     ///
-    /// Returns `None` if `j` has no finite inverse. [method of seed §5.2]
+    /// Returns `None` if `j` has no finite inverse. [seed §5.2]
     pub fn push(&self, j: &Mat3) -> Option<Self> {
         let inverse = j.as_dmat3().inverse().as_mat3();
         inverse.is_finite().then(|| Self(self.0.congruence(inverse)))

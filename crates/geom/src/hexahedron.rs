@@ -12,6 +12,16 @@ use crate::wall::{self, Order, RayFrame};
 use crate::{DTrilinear, Ray, Trilinear, WallHit};
 
 /// A box on a patch: a trilinear cuboid, or the half of one that stands on a triangle.
+///
+/// ```
+/// use pelage_geom::{Hexahedron, Ray, Trilinear, glam::DVec3};
+///
+/// let hexahedron = Hexahedron::cuboid(Trilinear::identity());
+/// let ray = Ray { origin: DVec3::new(-1.0, 0.25, 0.5), direction: DVec3::X };
+/// let passages = hexahedron.passages(&ray, 0.0, f64::INFINITY);
+/// assert_eq!(passages[0].t, [1.0, 2.0]);
+/// assert_eq!(passages[0].u[1], DVec3::new(1.0, 0.25, 0.5));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hexahedron {
     map: DTrilinear,
@@ -64,9 +74,18 @@ impl Deref for Passages {
 /// A four-cornered face: corners P00, P10, P01, P11, and its place in the box.
 struct Quad {
     corners: [usize; 4],
+    /// The same corners as bits.
+    mask: u8,
     place: Place,
     /// Whether ∂S/∂a × ∂S/∂b points out of the box.
     outward: bool,
+}
+
+impl Quad {
+    const fn new(corners: [usize; 4], place: Place, outward: bool) -> Self {
+        let [a, b, c, d] = corners;
+        Self { corners, mask: 1 << a | 1 << b | 1 << c | 1 << d, place, outward }
+    }
 }
 
 /// Where a face lies in box coordinates.
@@ -90,16 +109,16 @@ impl Place {
     }
 }
 
-const U0: Quad = Quad { corners: [0, 2, 4, 6], place: Place::Axis(0, 0.0), outward: false };
-const U1: Quad = Quad { corners: [1, 3, 5, 7], place: Place::Axis(0, 1.0), outward: true };
-const V0: Quad = Quad { corners: [0, 4, 1, 5], place: Place::Axis(1, 0.0), outward: false };
-const V1: Quad = Quad { corners: [2, 6, 3, 7], place: Place::Axis(1, 1.0), outward: true };
-const W0: Quad = Quad { corners: [0, 1, 2, 3], place: Place::Axis(2, 0.0), outward: false };
-const W1: Quad = Quad { corners: [4, 5, 6, 7], place: Place::Axis(2, 1.0), outward: true };
-const DIAGONAL: Quad = Quad { corners: [1, 2, 5, 6], place: Place::Diagonal, outward: true };
+const U0: Quad = Quad::new([0, 2, 4, 6], Place::Axis(0, 0.0), false);
+const U1: Quad = Quad::new([1, 3, 5, 7], Place::Axis(0, 1.0), true);
+const V0: Quad = Quad::new([0, 4, 1, 5], Place::Axis(1, 0.0), false);
+const V1: Quad = Quad::new([2, 6, 3, 7], Place::Axis(1, 1.0), true);
+const W0: Quad = Quad::new([0, 1, 2, 3], Place::Axis(2, 0.0), false);
+const W1: Quad = Quad::new([4, 5, 6, 7], Place::Axis(2, 1.0), true);
+const DIAGONAL: Quad = Quad::new([1, 2, 5, 6], Place::Diagonal, true);
 
-const CUBOID: [Quad; 6] = [U0, U1, V0, V1, W0, W1];
-const PRISM: [Quad; 3] = [U0, V0, DIAGONAL];
+static CUBOID: [Quad; 6] = [U0, U1, V0, V1, W0, W1];
+static PRISM: [Quad; 3] = [U0, V0, DIAGONAL];
 /// Base and top of a prism.
 const CAPS: [[usize; 3]; 2] = [[0, 1, 2], [4, 5, 6]];
 
@@ -129,6 +148,51 @@ impl Crossings {
             *slot = crossing;
             self.count += 1;
         }
+    }
+}
+
+/// A box's corners in ray space, and on which side of the ray they are, a bit each.
+struct Seen {
+    corners: [DVec3; 8],
+    left: u8,
+    right: u8,
+    below: u8,
+}
+
+impl Seen {
+    #[inline]
+    fn new(map: &DTrilinear, ray: &Ray) -> Self {
+        let frame = RayFrame::new(ray);
+        let mut seen = Self { corners: [DVec3::ZERO; 8], left: 0, right: 0, below: 0 };
+        for (i, (place, corner)) in seen.corners.iter_mut().zip(&map.corners).enumerate() {
+            *place = frame.project(*corner);
+            seen.left |= u8::from(place.x < 0.0) << i;
+            seen.right |= u8::from(place.x > 0.0) << i;
+            seen.below |= u8::from(place.y < 0.0) << i;
+        }
+        seen
+    }
+
+    /// Whether the corners of `mask` are all on one side, so that they cannot surround the ray: every winding number
+    /// of theirs is exactly zero then.
+    #[inline]
+    fn aside(&self, mask: u8) -> bool {
+        self.left & mask == mask
+            || self.right & mask == mask
+            || self.below & mask == mask
+            || self.below & mask == 0
+    }
+
+    /// Whether some of the corners of `mask` may lie between the distances, and all corners are finite.
+    #[inline]
+    fn is_between(&self, mask: u8, t_min: f64, t_max: f64) -> bool {
+        let (mut before, mut behind, mut sum) = (0_u8, 0_u8, DVec3::ZERO);
+        for (i, corner) in self.corners.iter().enumerate() {
+            before |= u8::from(corner.z < t_min) << i;
+            behind |= u8::from(corner.z > t_max) << i;
+            sum += *corner;
+        }
+        before & mask != mask && behind & mask != mask && sum.is_finite()
     }
 }
 
@@ -192,79 +256,53 @@ impl Hexahedron {
     /// share a face give the same bits for the distance of a crossing there. A box without volume has passages as
     /// long as rounding makes them, or none; one with corners that are not finite has none.
     pub fn passages(&self, ray: &Ray, t_min: f64, t_max: f64) -> Passages {
-        let frame = RayFrame::new(ray);
-        let corners = self.map.corners.map(|c| frame.project(c));
-        let (mut left, mut right, mut below) = (0_u8, 0_u8, 0_u8);
-        let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut sum = DVec3::ZERO;
+        let mut passages = Passages::NONE;
+        let seen = Seen::new(&self.map, ray);
         let all = if self.prism { PRISM_CORNERS } else { CUBOID_CORNERS };
-        for (i, c) in corners.iter().enumerate() {
-            left |= u8::from(c.x < 0.0) << i;
-            right |= u8::from(c.x > 0.0) << i;
-            below |= u8::from(c.y < 0.0) << i;
-            sum += *c;
-            if all >> i & 1 != 0 {
-                nearest = nearest.min(c.z);
-                farthest = farthest.max(c.z);
+        if seen.aside(all) || !seen.is_between(all, t_min, t_max) {
+            return passages;
+        }
+        let mut crossings = Crossings { list: [Crossing::default(); 2 * MOST_PASSAGES], count: 0 };
+        self.cross(&seen, &mut crossings);
+        let Some(list) = crossings.list.get_mut(..crossings.count) else { return passages };
+        list.sort_unstable_by(|x, y| x.t.total_cmp(&y.t));
+        let mut depth = 0;
+        for pair in list.windows(2) {
+            let [enter, exit] = [&pair[0], &pair[1]];
+            depth += enter.step;
+            // A mirrored box counts downwards.
+            let t = [enter.t.max(t_min), exit.t.min(t_max)];
+            if depth != 0 && t[0] < t[1] {
+                let end = |t, end: &Crossing| if t == end.t { end.u } else { self.cut(ray, t, enter, exit) };
+                passages.push(Passage { t, u: [end(t[0], enter), end(t[1], exit)] });
             }
         }
-        // Corners that are all on one side cannot surround the ray; for them every winding number is exactly zero.
-        let aside = |mask: u8| {
-            left & mask == mask || right & mask == mask || below & mask == mask || below & mask == 0
-        };
-        if aside(all) || !(nearest <= t_max && farthest >= t_min && sum.is_finite()) {
-            return Passages::NONE;
-        }
+        passages
+    }
 
-        let mut crossings = Crossings { list: [Crossing::default(); 2 * MOST_PASSAGES], count: 0 };
+    /// All crossings of the box's surface, face by face.
+    #[inline]
+    fn cross(&self, seen: &Seen, crossings: &mut Crossings) {
         let faces: &[Quad] = if self.prism { &PRISM } else { &CUBOID };
         for (face, order) in faces.iter().zip(self.orders) {
-            if aside(face.corners.iter().fold(0, |mask, i| mask | 1 << i)) {
+            if seen.aside(face.mask) {
                 continue;
             }
-            let arranged = order.arrange(&face.corners).map(|i| corners[i]);
-            for &WallHit { t, a, b, side } in order.restore(wall::crossings(&arranged)).iter() {
+            let arranged = order.arrange(&face.corners).map(|i| seen.corners[i]);
+            for &hit in wall::crossings(&arranged).iter() {
+                let WallHit { t, a, b, side } = order.restore(hit);
                 let step = if face.outward { -side } else { side };
                 crossings.push(Crossing { t, u: face.place.coordinates(a, b), step });
             }
         }
         if self.prism {
             for (w, cap) in CAPS.iter().enumerate() {
-                if let Some((t, weights, side)) = wall::triangle_crossing(cap.map(|i| corners[i])) {
+                if let Some((t, weights, side)) = wall::triangle_crossing(cap.map(|i| seen.corners[i])) {
                     let step = if w == 0 { side } else { -side };
                     crossings.push(Crossing { t, u: DVec3::new(weights[1], weights[2], w as f64), step });
                 }
             }
         }
-        self.intervals(ray, t_min, t_max, crossings)
-    }
-
-    /// Sorts the crossings and keeps what lies inside and between `t_min` and `t_max`.
-    #[inline]
-    fn intervals(&self, ray: &Ray, t_min: f64, t_max: f64, mut crossings: Crossings) -> Passages {
-        let mut passages = Passages::NONE;
-        let Some(list) = crossings.list.get_mut(..crossings.count) else { return passages };
-        list.sort_unstable_by(|x, y| x.t.total_cmp(&y.t));
-        let mut depth = 0;
-        for pair in list.windows(2) {
-            let [enter, exit] = [pair[0], pair[1]];
-            depth += enter.step;
-            // A mirrored box counts downwards.
-            if depth == 0 {
-                continue;
-            }
-            let t = [enter.t.max(t_min), exit.t.min(t_max)];
-            if t[0] < t[1] {
-                let mut u = [enter.u, exit.u];
-                for (end, whole) in [enter.t, exit.t].into_iter().enumerate() {
-                    if t[end] != whole {
-                        u[end] = self.cut(ray, t[end], &enter, &exit);
-                    }
-                }
-                passages.push(Passage { t, u });
-            }
-        }
-        passages
     }
 
     /// Box coordinates where the ray is at `t`, between two crossings.

@@ -44,7 +44,8 @@ macro_rules! inverse {
             /// The coordinates in `[0,1]³` of the scene point `x`, found from the centre of the box; where that
             /// fails, and `x` is within the corners' bounds, from the centres of its octants.
             ///
-            /// `tolerance` is the distance by which T(u) may miss `x`, relative to the diagonal of the box's bounds;
+            /// `tolerance` is the distance by which T(u) may miss `x`, relative to the diagonal of the box's bounds
+            /// (or the rounding of the corners, where that is more);
             /// coordinates outside `[0,1]` by no more than `tolerance` are inside, and are clamped.
             ///
             /// # Errors
@@ -94,7 +95,9 @@ macro_rules! inverse {
                 tolerance: $scalar,
             ) -> Result<$vec, InverseError> {
                 let [lo, hi] = self.bounds();
-                let near = tolerance * (hi - lo).length();
+                // A box far from the origin holds its own points no better than its coordinates.
+                let rounding = 4.0 * <$scalar>::EPSILON * lo.abs().max(hi.abs()).max_element();
+                let near = rounding.max(tolerance * (hi - lo).length());
                 let mut u = start;
                 let mut missing = x - self.point(u);
                 let mut distance = missing.length();

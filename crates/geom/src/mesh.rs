@@ -112,7 +112,8 @@ impl Mesh {
             return Err(MeshError::NoFaces { mesh: mesh() });
         }
         for (vertex, &position) in self.positions.iter().enumerate() {
-            if !(position.abs().max_element() <= Self::POSITION_LIMIT) || position.is_nan() {
+            // `cmple` is false for NaN too.
+            if !position.abs().cmple(Vec3::splat(Self::POSITION_LIMIT)).all() {
                 return Err(MeshError::NonFinite { mesh: mesh(), vertex, position });
             }
         }

@@ -125,24 +125,30 @@ impl Symmetric3 {
     }
 
     fn eigen_f64(self) -> (DVec3, DMat3) {
-        /// Jacobi converges quadratically: five sweeps leave 1e-16 of any 3×3 matrix, the rest is margin.
+        /// Jacobi converges quadratically: four or five sweeps are usual, the rest is margin.
         const SWEEPS: usize = 12;
+        /// What may be left beside the diagonal, relative to it; less than `f64` resolves.
+        const NEGLIGIBLE: f64 = 1e-18;
         let mut a = self.to_mat3().as_dmat3().to_cols_array_2d();
         let mut v = DMat3::IDENTITY.to_cols_array_2d();
         for _ in 0..SWEEPS {
+            let beside = a[0][1].abs() + a[0][2].abs() + a[1][2].abs();
+            if beside <= NEGLIGIBLE * (a[0][0].abs() + a[1][1].abs() + a[2][2].abs()) {
+                break;
+            }
             for (p, q) in [(0, 1), (0, 2), (1, 2)] {
                 if a[p][q] == 0.0 {
                     continue;
                 }
                 let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-                let t = 1.0_f64.copysign(theta) / (theta.abs() + theta.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
+                let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
+                let c = 1.0 / (t * t + 1.0).sqrt();
                 let s = t * c;
                 // a ← Gᵀ a G and v ← v G, both held by columns.
                 for m in [&mut a, &mut v] {
-                    for k in 0..3 {
-                        let (x, y) = (m[p][k], m[q][k]);
-                        (m[p][k], m[q][k]) = (c * x - s * y, s * x + c * y);
+                    let (head, tail) = m.split_at_mut(q);
+                    for (x, y) in head[p].iter_mut().zip(&mut tail[0]) {
+                        (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
                     }
                 }
                 for column in &mut a {

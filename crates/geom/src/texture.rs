@@ -1,4 +1,4 @@
-//! Colour textures, filtered by a MIP pyramid. [Williams83]
+//! Colour textures, filtered by a MIP pyramid. \[Williams83\]
 
 use glam::{Vec2, Vec3};
 

