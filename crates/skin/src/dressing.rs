@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3, Vec2};
 use pelage_geom::Face;
 use rayon::prelude::*;
 
+use crate::charts::{Charts, mean_density};
 use crate::polygon::{Polygon, Surface};
 use crate::quad;
 use crate::{Lattice, Layout, Patch, Report, SkinOptions};
@@ -63,10 +64,15 @@ impl Plan {
         if !uvs || options.layout == Layout::PerPatch {
             return Self::PerPatch { copies };
         }
-        let density = uv_density(surface);
+        let density = mean_density(surface);
         if density == 0.0 && options.layout == Layout::Auto {
             return Self::PerPatch { copies };
         }
+        Self::uv(density, options)
+    }
+
+    /// The plan for texture coordinates of a certain `density` (units per metre).
+    fn uv(density: f64, options: &SkinOptions) -> Self {
         let wanted_width = f64::from(options.aspect) * f64::from(options.height);
         let tiling = match options.tiling {
             Some(tiling) => f64::from(tiling),
@@ -142,8 +148,15 @@ pub(crate) fn dress(
     options: &SkinOptions,
     report: &mut Report,
 ) -> (Vec<Patch>, Vec<[Vec2; 4]>) {
-    let dressed: Vec<Dressed> =
-        surface.polygons.par_iter().flat_map_iter(|p| dress_one(p, surface, plan, options)).collect();
+    let uv_by_chart = options.tiling.is_none() && matches!(plan, Plan::Uv { .. });
+    let charts = uv_by_chart.then(|| Charts::new(surface));
+    let plan_of = |i: usize| match charts.as_ref().map(|charts| charts.density(i)) {
+        Some(density) if density > 0.0 => Plan::uv(density, options),
+        _ => plan,
+    };
+    let dressed: Vec<Dressed> = (surface.polygons.par_iter().enumerate())
+        .flat_map_iter(|(i, p)| dress_one(p, surface, plan_of(i), options))
+        .collect();
     for d in &dressed {
         report.mirrored += usize::from(d.patch.lattice.determinant() < 0.0);
         report.zero_area_uvs += usize::from(d.zero_area_uvs);
@@ -259,20 +272,4 @@ fn whole_copies([a, b, d, c]: [DVec3; 4], copy_width: f64) -> [DVec2; 4] {
         |p: DVec3, q: DVec3| (0.5 * (p.length() + q.length()) / copy_width).round().clamp(1.0, MOST_COPIES);
     let (n, m) = (count(b - a, d - c), count(c - a, d - b));
     [(0.0, 0.0), (n, 0.0), (n, m), (0.0, m)].map(DVec2::from)
-}
-
-/// Mean units of texture coordinates per metre; 0 where no face has any area in them.
-fn uv_density(surface: &Surface) -> f64 {
-    let (mut uv_area, mut area) = (0.0, 0.0);
-    for polygon in &surface.polygons {
-        let n = polygon.corners().len();
-        let uv = |i: usize| polygon.uvs[i].as_dvec2() - polygon.uvs[0].as_dvec2();
-        // Each half on its own: the halves of a quad may be mirrored against each other.
-        let here = (1..n - 1).map(|i| 0.5 * uv(i).perp_dot(uv(i + 1)).abs()).sum::<f64>();
-        if here > 0.0 {
-            uv_area += here;
-            area += polygon.area_vector(&surface.positions).length();
-        }
-    }
-    if area > 0.0 { (uv_area / area).sqrt() } else { 0.0 }
 }

@@ -25,6 +25,7 @@
 //! points, to the last bit, seen from either side.
 #![warn(missing_docs)]
 
+mod charts;
 mod dressing;
 mod error;
 mod extrude;

@@ -59,8 +59,8 @@ pub struct SkinOptions {
     /// Where texel coordinates come from.
     pub layout: Layout,
     /// Copies of the texel per unit of texture coordinates (per patch side in [`Layout::PerPatch`], rounded to
-    /// a whole number there). `None`: such that a copy is about `aspect` heights wide, rounded to a whole
-    /// number above 1 so that coordinates that wrap stay continuous (one copy per side in `PerPatch`).
+    /// a whole number there). `None`: chart by chart, such that a copy is about `aspect` heights wide, rounded to
+    /// a whole number above 1 so that coordinates that wrap stay continuous (one copy per side in `PerPatch`).
     pub tiling: Option<f32>,
     /// Width of a copy of the texel over its height, where `tiling` is `None`; positive.
     pub aspect: f32,

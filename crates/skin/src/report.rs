@@ -90,7 +90,8 @@ pub struct Report {
     pub shortest: f32,
     /// Every box that was folded at full height, and those spoilt by the mending of a neighbour.
     pub folds: Vec<Fold>,
-    /// Copies of the texel per unit of texture coordinates (per patch side without them).
+    /// Copies of the texel per unit of texture coordinates (per patch side without them); where each chart has its
+    /// own, that of their mean density.
     pub tiling: f32,
     /// Mean side of a copy of the texel on the base surface, in metres.
     pub copy_width: f32,

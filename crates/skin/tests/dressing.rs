@@ -242,3 +242,28 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn charts_of_an_atlas_get_copies_of_one_size() {
+    // Two unit squares side by side, one given a half and the other a tenth of the atlas's width: with height ¼
+    // both must get 4 × 4 copies, four to a metre.
+    let mut mesh = surface::plane(2.0, 2, 1);
+    for p in &mut mesh.positions {
+        p.z *= 0.5;
+    }
+    let square = |x: f32, side: f32| {
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(u, v)| Vec2::new(x + side * u, side * v))
+    };
+    mesh.uvs = Some(vec![square(0.0, 0.5), square(0.8, 0.1)]);
+    let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.25)).unwrap();
+    assert_eq!(skin.len(), 2);
+    for patch in &skin.patches {
+        let determinant = patch.lattice.determinant().abs();
+        assert!((determinant - 16.0).abs() < 1e-3, "{determinant} copies");
+    }
+    // A tiling that was asked for is left alone.
+    let asked = SkinOptions { tiling: Some(10.0), ..SkinOptions::new(0.25) };
+    let skin = extrude(&mesh, &|_| true, &asked).unwrap();
+    let copies: Vec<f32> = skin.patches.iter().map(|p| p.lattice.determinant().abs()).collect();
+    assert!((copies[0] - 25.0).abs() < 1e-3 && (copies[1] - 1.0).abs() < 1e-3, "{copies:?}");
+}

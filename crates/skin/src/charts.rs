@@ -1,0 +1,84 @@
+//! The charts of a surface: the islands that its texture coordinates fall into.
+//!
+//! An atlas gives its charts what room it has, so a copy of the texel would change its size from chart to chart,
+//! visibly at every seam. Where nobody asks for a tiling, each chart gets its own; inside a chart nothing
+//! changes, and between charts the texel was not continuous before.
+
+use std::collections::HashMap;
+
+use crate::polygon::{Polygon, Surface};
+
+/// Which chart each polygon belongs to, and the mean density of texture coordinates there.
+pub(crate) struct Charts {
+    of_polygon: Vec<u32>,
+    /// Units of texture coordinates per metre, by chart; 0 where a chart has no area.
+    density: Vec<f64>,
+}
+
+impl Charts {
+    /// Polygons that share a vertex with the same texture coordinates there are in one chart.
+    pub fn new(surface: &Surface) -> Self {
+        let polygons = &surface.polygons;
+        let mut parent: Vec<u32> = (0..polygons.len() as u32).collect();
+        let mut first_at = HashMap::new();
+        for (i, polygon) in polygons.iter().enumerate() {
+            for (corner, &vertex) in polygon.corners().iter().enumerate() {
+                let uv = polygon.uvs[corner].to_array().map(|x| (x + 0.0).to_bits());
+                let first = *first_at.entry((vertex, uv)).or_insert(i as u32);
+                let (a, b) = (root(&mut parent, first), root(&mut parent, i as u32));
+                // The smaller number is the root, so that charts are numbered by their first polygon.
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let of_polygon: Vec<u32> = (0..polygons.len() as u32).map(|i| root(&mut parent, i)).collect();
+        let mut areas = vec![(0.0, 0.0); polygons.len()];
+        for (polygon, &chart) in polygons.iter().zip(&of_polygon) {
+            let (uv_area, area) = &mut areas[chart as usize];
+            let here = uv_area_of(polygon);
+            if here > 0.0 {
+                *uv_area += here;
+                *area += polygon.area_vector(&surface.positions).length();
+            }
+        }
+        let density = areas.into_iter().map(|(uv, area)| ratio(uv, area)).collect();
+        Self { of_polygon, density }
+    }
+
+    /// The density of the chart that polygon `index` belongs to.
+    pub fn density(&self, index: usize) -> f64 {
+        self.density[self.of_polygon[index] as usize]
+    }
+}
+
+/// Mean units of texture coordinates per metre over a whole surface; 0 where no face has any area in them.
+pub(crate) fn mean_density(surface: &Surface) -> f64 {
+    let (mut uv_area, mut area) = (0.0, 0.0);
+    for polygon in &surface.polygons {
+        let here = uv_area_of(polygon);
+        if here > 0.0 {
+            uv_area += here;
+            area += polygon.area_vector(&surface.positions).length();
+        }
+    }
+    ratio(uv_area, area)
+}
+
+fn ratio(uv_area: f64, area: f64) -> f64 {
+    if area > 0.0 { (uv_area / area).sqrt() } else { 0.0 }
+}
+
+/// Area in texture coordinates; each half on its own, because those of a quad may be mirrored against each other.
+fn uv_area_of(polygon: &Polygon) -> f64 {
+    let n = polygon.corners().len();
+    let uv = |i: usize| polygon.uvs[i].as_dvec2() - polygon.uvs[0].as_dvec2();
+    (1..n - 1).map(|i| 0.5 * uv(i).perp_dot(uv(i + 1)).abs()).sum()
+}
+
+/// The smallest number in the set of `i`; halves the way for the next call.
+fn root(parent: &mut [u32], mut i: u32) -> u32 {
+    while parent[i as usize] != i {
+        parent[i as usize] = parent[parent[i as usize] as usize];
+        i = parent[i as usize];
+    }
+    i
+}
