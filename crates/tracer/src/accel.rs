@@ -133,7 +133,8 @@ impl Accel {
         }
         let start = (ray.origin.length() - 2.0 * self.extent).clamp(0.0, t_max.max(0.0));
         let origin = ray.at(start).as_vec3a();
-        let direction = ray.direction.as_vec3a();
+        // Adding 0 makes −0 of it 0: obvhs takes the signs of −0 and of its inverse for different ones.
+        let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
         if !(origin.is_finite() && direction.is_finite()) {
             return None;
         }

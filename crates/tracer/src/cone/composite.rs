@@ -3,7 +3,7 @@
 use glam::Vec3;
 use pelage_geom::{Cone, Ray};
 
-use super::march::{Beam, march, through};
+use super::march::{Beam, march};
 use super::passages::{self, BoxPassage};
 use super::path::Chord;
 use super::{Blend, Cell, Piece, Trail, VoxelKey};
@@ -140,7 +140,7 @@ fn show(
     }
     let mut blend = Blend::new(cell);
     for piece in trail.pieces_of(cell) {
-        let hidden = blend.pass(piece.fine, through(beam.settings.opacity, piece.depth));
+        let hidden = blend.pass(piece.fine, piece.through);
         let weight = share * *transmittance * hidden;
         if weight > 0.0 {
             voxels.push(seen(piece, weight, direction));

@@ -10,7 +10,7 @@ use pelage_texel::{Level, Texel};
 use super::lod::{Band, lambda};
 use super::passages::BoxPassage;
 use super::path::{Chord, LocalRay};
-use super::{Blend, Cell, Piece, Trail, VoxelKey, cell_key};
+use super::{Blend, Cell, Piece, Trail, VoxelKey};
 use crate::{Opacity, Path, Scene, Settings};
 
 /// Two chords may differ by this much of a level before one level for both would show.
@@ -163,10 +163,11 @@ impl Walker<'_> {
         let depth = matter.depth_per_step(segment.step) * (leave - enter);
         if depth > 0.0 {
             self.trail.pieces.push(Piece {
-                key: VoxelKey { patch: self.patch, level: l as u8, cell: cell_key(cell) },
+                key: VoxelKey { patch: self.patch, level: l as u8, cell: cell.to_array() },
                 voxel,
                 fine,
                 depth,
+                through: through(self.opacity, depth),
                 t: [segment.distance(enter), segment.distance(leave)],
                 at: [segment.texel_at(enter), segment.texel_at(leave)],
             });
@@ -181,7 +182,7 @@ impl Walker<'_> {
             let cell = Cell { t, blend: band.blend, pieces: begin..end };
             let mut blend = Blend::new(&cell);
             for piece in self.trail.pieces_of(&cell) {
-                blend.pass(piece.fine, through(self.opacity, piece.depth));
+                blend.pass(piece.fine, piece.through);
             }
             self.transmittance *= blend.transmittance();
             self.trail.cells.push(cell);

@@ -18,7 +18,7 @@ pub(crate) mod path;
 pub(crate) mod shade;
 pub(crate) mod shadow;
 
-use glam::{IVec3, Vec3};
+use glam::Vec3;
 
 /// Which voxel of which box: rays that meet the same one share its shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -41,6 +41,8 @@ pub(crate) struct Piece {
     pub fine: bool,
     /// Optical depth.
     pub depth: f32,
+    /// What gets through it.
+    pub through: f32,
     /// Where the ray enters and leaves the matter: distance, in scene units.
     pub t: [f32; 2],
     /// The same, in texel coordinates (s, t, w).
@@ -105,10 +107,4 @@ impl Blend {
     pub fn transmittance(&self) -> f32 {
         self.weight[0] * self.through[0] + self.weight[1] * self.through[1]
     }
-}
-
-/// A cell as an array, for keys that sort.
-#[inline]
-pub(crate) fn cell_key(cell: IVec3) -> [i32; 3] {
-    cell.to_array()
 }

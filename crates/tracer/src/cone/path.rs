@@ -31,9 +31,12 @@ pub(crate) struct Knot {
     pub at: Vec3,
     /// Box coordinates.
     u: Vec3,
-    /// Texel units per scene unit.
+    /// J⁻¹D: box units per scene unit.
     velocity: Vec3,
 }
+
+/// Newton's error is about the square of its last step: below this step, in box units, it is that of rounding.
+const CONVERGED: f32 = 1e-3;
 
 /// A straight piece of the path, linear in t.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +69,7 @@ impl LocalRay {
     pub fn chords(&self, passage: &BoxPassage, tolerance: f32, least: usize, out: &mut Vec<Chord>) {
         let first = self.knot(passage.t[0], passage.u[0].as_vec3());
         let last = self.knot(passage.t[1], passage.u[1].as_vec3());
-        let Some(bow) = bow(&first, &last) else {
+        let Some(bow) = self.bow(&first, &last) else {
             // A singular end has no velocity: the chord is all that can be known.
             out.push(chord(&first, &last));
             return;
@@ -98,7 +101,7 @@ impl LocalRay {
         loop {
             let to = pending[depth];
             // Twice the tolerance: the first count is a bound and seldom far off; near misses are not worth a knot.
-            let bends = bow(&from, &to).is_some_and(|b| b > 2.0 * tolerance);
+            let bends = self.bow(&from, &to).is_some_and(|b| b > 2.0 * tolerance);
             if bends && depth + 1 < pending.len() {
                 depth += 1;
                 pending[depth] = self.between(&from, &to, 0.5);
@@ -118,7 +121,7 @@ impl LocalRay {
         let t = a.t + (b.t - a.t) * f64::from(x);
         let span = (b.t - a.t) as f32;
         // Hermite's cubic in box coordinates: exact where the curve is one, and close enough to start from.
-        let (va, vb) = (self.box_velocity(a) * span, self.box_velocity(b) * span);
+        let (va, vb) = (span * a.velocity, span * b.velocity);
         let (y, z) = (1.0 - x, x * x * (3.0 - 2.0 * x));
         let guess = a.u.lerp(b.u, z) + x * y * (y * va - x * vb);
         let target = (self.ray.origin - self.origin + t * self.ray.direction).as_vec3();
@@ -129,7 +132,7 @@ impl LocalRay {
                 break;
             }
             u += step;
-            if step.abs().max_element() < 1e-5 {
+            if step.abs().max_element() < CONVERGED {
                 break;
             }
         }
@@ -137,28 +140,24 @@ impl LocalRay {
     }
 
     fn knot(&self, t: f64, u: Vec3) -> Knot {
-        let velocity = to_texel_step(&self.lattice, self.map.jacobian(u).inverse() * self.direction);
+        let velocity = self.map.jacobian(u).inverse() * self.direction;
         Knot { t, at: to_texel(&self.lattice, u), u, velocity }
     }
 
-    fn box_velocity(&self, knot: &Knot) -> Vec3 {
-        self.map.jacobian(knot.u).inverse() * self.direction
+    /// How far the chord between two knots leaves the curve at most, in texel units: an eighth of the largest
+    /// second derivative of Hermite's cubic over the unit interval, which lies at one of its ends.
+    fn bow(&self, a: &Knot, b: &Knot) -> Option<f32> {
+        let span = (b.t - a.t) as f32;
+        let (va, vb, d) = (span * a.velocity, span * b.velocity, b.u - a.u);
+        let [at_a, at_b] = [6.0 * d - 4.0 * va - 2.0 * vb, 2.0 * va + 4.0 * vb - 6.0 * d];
+        let length = |x: Vec3| to_texel_step(&self.lattice, x).length_squared();
+        let largest = length(at_a).max(length(at_b)).sqrt();
+        largest.is_finite().then_some(largest / 8.0)
     }
 }
 
 fn chord(a: &Knot, b: &Knot) -> Chord {
     Chord { t: [a.t, b.t], at: [a.at, b.at] }
-}
-
-/// How far the chord between two knots leaves the curve at most, in texel units: an eighth of the largest second
-/// derivative of Hermite's cubic over the unit interval, which lies at one of its ends.
-fn bow(a: &Knot, b: &Knot) -> Option<f32> {
-    let span = (b.t - a.t) as f32;
-    let (va, vb, d) = (span * a.velocity, span * b.velocity, b.at - a.at);
-    let at_a = 6.0 * d - 4.0 * va - 2.0 * vb;
-    let at_b = 2.0 * va + 4.0 * vb - 6.0 * d;
-    let largest = at_a.length_squared().max(at_b.length_squared()).sqrt();
-    largest.is_finite().then_some(largest / 8.0)
 }
 
 /// k chords bow k² times less than one.

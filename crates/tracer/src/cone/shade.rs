@@ -168,12 +168,12 @@ impl Normals {
     fn of(ellipsoid: &Ellipsoid, view: Vec3, cofactor: &Mat3, count: u32) -> Self {
         let count = (count as usize).clamp(1, Self::MOST);
         let mut normals = [Vec3::ZERO; Self::MOST];
-        let view = view.normalize_or(Vec3::Z);
+        let visible = ellipsoid.visible(view.normalize_or(Vec3::Z));
         for (i, normal) in normals[..count].iter_mut().enumerate() {
             // The first `count` points of Hammersley's set, centred in their strata.
             let x = (i as f32 + 0.5) / count as f32;
             let y = ((i as u32).reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
-            *normal = (*cofactor * ellipsoid.sample_visible(view, [x, y.fract()])).normalize_or_zero();
+            *normal = (*cofactor * visible.sample([x, y.fract()])).normalize_or_zero();
         }
         Self { normals, count }
     }

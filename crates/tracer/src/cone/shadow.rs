@@ -43,7 +43,8 @@ impl Correlation {
     /// F for a depth between the distances `x` and `y` from the shaded point.
     #[inline]
     pub fn factor(self, x: f32, y: f32) -> f32 {
-        if self.q == f32::INFINITY {
+        // e^−20 is below the last place of 1.
+        if self.q * x > 20.0 || self.q == f32::INFINITY {
             return 1.0;
         }
         1.0 - (-self.q * x).exp() * decay(self.q * (y - x))
@@ -98,8 +99,11 @@ impl ShadowBuffers {
 fn passed(trail: &Trail, cell: &Cell, settings: &Settings, correlation: Correlation) -> f32 {
     let mut blend = Blend::new(cell);
     for piece in trail.pieces_of(cell) {
-        let depth = piece.depth * correlation.factor(piece.t[0], piece.t[1]);
-        blend.pass(piece.fine, through(settings.opacity, depth));
+        let factor = correlation.factor(piece.t[0], piece.t[1]);
+        // Beyond the neighbourhood nothing is correlated, and what gets through is known.
+        let passed =
+            if factor == 1.0 { piece.through } else { through(settings.opacity, factor * piece.depth) };
+        blend.pass(piece.fine, passed);
     }
     blend.transmittance()
 }
