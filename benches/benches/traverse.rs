@@ -12,7 +12,8 @@ use pelage::texel::{BuildOptions, Fur, Level, Procedure, build};
 fn rays(level: &Level, across: Vec3) -> Vec<[Vec3; 2]> {
     const SIDE: u32 = 32;
     let scale = level.resolution() as f32;
-    let start = |i: u32| Vec3::new((i % SIDE) as f32 + 0.37, (i / SIDE) as f32 + 0.71, SIDE as f32) / SIDE as f32;
+    let start =
+        |i: u32| Vec3::new((i % SIDE) as f32 + 0.37, (i / SIDE) as f32 + 0.71, SIDE as f32) / SIDE as f32;
     (0..SIDE * SIDE).map(|i| [start(i) * scale, (start(i) + across) * scale]).collect()
 }
 
@@ -31,7 +32,8 @@ fn traverse(criterion: &mut Criterion) {
             group.throughput(Throughput::Elements(cells));
             group.bench_function(format!("{name}/level {l}"), |bencher| {
                 bencher.iter(|| {
-                    let walk = |&[from, to]: &[Vec3; 2]| level.walk(from, to).map(|step| step.leave).sum::<f32>();
+                    let walk =
+                        |&[from, to]: &[Vec3; 2]| level.walk(from, to).map(|step| step.leave).sum::<f32>();
                     black_box(rays.iter().map(walk).sum::<f32>())
                 });
             });

@@ -163,6 +163,9 @@ mod tests {
         for bad in ["#12345", "#12345g", "#ééé", "Sky", ""] {
             assert!(Background::parse(bad).is_err(), "{bad}");
         }
-        assert_eq!(Lod::parse("13"), Err("`13`: expected auto, sharp, smooth, or a level from 0 to 12".into()));
+        assert_eq!(
+            Lod::parse("13"),
+            Err("`13`: expected auto, sharp, smooth, or a level from 0 to 12".into())
+        );
     }
 }

@@ -66,6 +66,7 @@ impl Error {
             // A setting is the user's; anything else that may come is not.
             Self::Render(RenderError::Setting { .. }) => Blame::Input,
             Self::Output(OutputError::Film { .. }) => Blame::Render,
+            Self::Output(OutputError::Extension { .. }) => Blame::Input,
             Self::Output(_) => Blame::Output,
             _ => Blame::Input,
         }

@@ -11,7 +11,7 @@ pub(crate) fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'
     }
     let mut near: Vec<(usize, &str)> = known.iter().map(|n| (distance(name, n), *n)).collect();
     near.sort_unstable();
-    let close = |&&(d, n): &&(usize, &str)| 3 * d <= n.chars().count().max(3);
+    let close = |&&(d, n): &&(usize, &str)| 2 * d <= n.chars().count();
     let list = |names: &mut dyn Iterator<Item = &(usize, &str)>| {
         names.take(SHOWN).map(|(_, n)| format!("`{n}`")).collect::<Vec<_>>().join(", ")
     };
@@ -51,13 +51,10 @@ mod tests {
         assert_eq!(distance("kitten", "sitting"), 3);
         assert_eq!(distance("Body", "body"), 0);
         let known = ["Body", "Eyes", "Ground"];
-        assert_eq!(
-            unknown("mesh", "Bdy", known.into_iter()),
-            "there is no mesh `Bdy`: did you mean `Body`?"
-        );
+        assert_eq!(unknown("mesh", "Bdy", known.into_iter()), "there is no mesh `Bdy`: did you mean `Body`?");
         assert_eq!(
             unknown("mesh", "Tail", known.into_iter()),
-            "there is no mesh `Tail`: there are `Eyes`, `Body`, `Ground`"
+            "there is no mesh `Tail`: there are `Body`, `Eyes`, `Ground`"
         );
         assert_eq!(unknown("mesh", "x", [""].into_iter()), "there is no mesh `x`: none has a name");
     }

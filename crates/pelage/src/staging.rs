@@ -34,8 +34,7 @@ pub fn camera(bounds: [Vec3; 2], view: &View, aspect: f32) -> Camera {
     let [lo, hi] = bounds;
     let centre = 0.5 * (lo + hi);
     let (azimuth, elevation) = (view.azimuth.to_radians(), view.elevation.clamp(-89.9, 89.9).to_radians());
-    let back =
-        vec3(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+    let back = vec3(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
     let vertical_fov = view.fov.to_radians();
     let [tan_x, tan_y] = [aspect, 1.0].map(|side| side * (0.5 * vertical_fov).tan() / MARGIN);
     let axes = Camera::look_at(centre + back, centre, Vec3::Y, vertical_fov).orientation;
@@ -110,7 +109,8 @@ mod tests {
     #[test]
     fn a_white_surface_is_shown_as_one() {
         // A lamp of 4π cd at 2 m gives π lux: radiance 1 from white. The sky adds 1.
-        let lamp = Light::Point { position: vec3(0.0, 2.0, 0.0), intensity: Vec3::splat(4.0 * PI), radius: 0.0 };
+        let lamp =
+            Light::Point { position: vec3(0.0, 2.0, 0.0), intensity: Vec3::splat(4.0 * PI), radius: 0.0 };
         let exposure_of = |lights: &[Light], sky: f32| {
             exposure(lights, &Environment::uniform(Vec3::splat(sky)), Vec3::ZERO)
         };

@@ -13,7 +13,7 @@
 //! as a zero byte or word. Two dependent loads find a voxel; there is no stack. Levels of less than 8 cells a
 //! side use the low corner of one brick.
 //!
-//! Found in [traversal, flattened levels]: 24 ns a cell against 35 for a pointer octree.
+//! Measured on hair: 24 ns a cell against 35 for a pointer octree.
 
 use glam::IVec3;
 
@@ -143,10 +143,12 @@ impl Bricks {
             }
         }
         self.bricks.iter().zip(origins).flat_map(|(brick, origin)| {
-            (0..512_u32).filter(|&bit| brick.words[(bit >> 6) as usize] >> (bit & 63) & 1 == 1).map(move |bit| {
-                let inside = demorton(bit);
-                [origin[0] + inside[0], origin[1] + inside[1], origin[2] + inside[2]]
-            })
+            (0..512_u32).filter(|&bit| brick.words[(bit >> 6) as usize] >> (bit & 63) & 1 == 1).map(
+                move |bit| {
+                    let inside = demorton(bit);
+                    [origin[0] + inside[0], origin[1] + inside[1], origin[2] + inside[2]]
+                },
+            )
         })
     }
 
@@ -192,9 +194,8 @@ impl Bricks {
         if voxels != self.len {
             return Some("voxels are miscounted");
         }
-        (self.resolution < 8
-            && self.cells().any(|cell| cell.iter().any(|&c| c >= self.resolution)))
-        .then_some("a cell lies outside the level")
+        (self.resolution < 8 && self.cells().any(|cell| cell.iter().any(|&c| c >= self.resolution)))
+            .then_some("a cell lies outside the level")
     }
 }
 

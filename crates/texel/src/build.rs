@@ -7,6 +7,9 @@ use rayon::prelude::*;
 
 use crate::bricks::Bricks;
 use crate::coverage::{ICOSAHEDRON, SIXTEEN, Sight, fit};
+use crate::openness;
+use crate::own_shadow::{Seen, kappa};
+use crate::packed::Packed;
 use crate::raster::Raster;
 use crate::region::Region;
 use crate::voxelise::{Cells, Facet, tile};
@@ -19,26 +22,27 @@ pub struct BuildOptions {
     pub depth: u32,
     /// Whether the content repeats in s and t.
     pub periodic: bool,
-    /// Side of the square ray grids at levels above 6, from 6 directions.
+    /// Side of the square ray grids at levels 6 and above, from 6 directions.
     pub fine_rays: u32,
-    /// Side of the square ray grids at levels 4 to 6, from 16 directions; twice that below.
+    /// Side of the square ray grids at levels 3 to 5 (from 6 directions at level 5, 16 below); eight times that
+    /// below level 3, where there are few voxels.
     pub coarse_rays: u32,
 }
 
 impl BuildOptions {
-    /// Depth 5, few rays: to look at content while it is being made.
+    /// Depth 5 (32³): to look at content while it is being made.
     pub fn preview() -> Self {
-        Self { depth: 5, periodic: true, fine_rays: 8, coarse_rays: 8 }
+        Self { depth: 5, periodic: true, fine_rays: 6, coarse_rays: 8 }
     }
 
     /// Depth 7 (128³).
     pub fn standard() -> Self {
-        Self { depth: 7, periodic: true, fine_rays: 8, coarse_rays: 12 }
+        Self { depth: 7, periodic: true, fine_rays: 6, coarse_rays: 8 }
     }
 
     /// Depth 8 (256³), many rays.
     pub fn fine() -> Self {
-        Self { depth: 8, periodic: true, fine_rays: 12, coarse_rays: 16 }
+        Self { depth: 8, periodic: true, fine_rays: 10, coarse_rays: 16 }
     }
 
     /// Checks the numbers.
@@ -58,12 +62,15 @@ impl BuildOptions {
         Ok(())
     }
 
-    /// Directions and side of the ray grids of a level.
-    fn sampling(&self, level: u32) -> (&'static [Vec3], usize) {
+    /// How the voxels of a level are looked at.
+    fn sampling(&self, level: u32) -> Sampling {
+        let [fine, coarse] = [self.fine_rays, self.coarse_rays].map(|side| side as usize);
         match level {
-            7.. => (&ICOSAHEDRON, self.fine_rays as usize),
-            4..7 => (&SIXTEEN, self.coarse_rays as usize),
-            ..4 => (&SIXTEEN, 2 * self.coarse_rays as usize),
+            7.. => Sampling { directions: &ICOSAHEDRON, side: fine, points: 1 },
+            6 => Sampling { directions: &ICOSAHEDRON, side: fine, points: 2 },
+            5 => Sampling { directions: &ICOSAHEDRON, side: coarse, points: 3 },
+            3..5 => Sampling { directions: &SIXTEEN, side: coarse, points: 4 },
+            ..3 => Sampling { directions: &SIXTEEN, side: 8 * coarse, points: 8 },
         }
     }
 }
@@ -72,6 +79,16 @@ impl Default for BuildOptions {
     fn default() -> Self {
         Self::standard()
     }
+}
+
+/// How the voxels of a level are looked at.
+#[derive(Clone, Copy)]
+struct Sampling {
+    directions: &'static [Vec3],
+    /// Side of the square ray grid of each direction.
+    side: usize,
+    /// Visible points kept from each direction, to measure the own shadow.
+    points: usize,
 }
 
 /// Builds a texel. `progress` is told the fraction done, 0 to 1, from any thread.
@@ -87,7 +104,6 @@ pub fn build(
     options: &BuildOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Texel, BuildError> {
-    let clock0 = std::time::Instant::now();
     geometry.validate()?;
     options.validate()?;
     progress(0.0);
@@ -99,13 +115,11 @@ pub fn build(
     if u32::try_from(finest.entry_count()).is_err() {
         return Err(BuildError::TooMany { what: "triangles in cells", count: finest.entry_count() });
     }
-    eprintln!("PROF vox {:?}", clock0.elapsed());
     let mut lists = vec![finest];
     for above in 0..options.depth as usize {
         lists.push(lists[above].parents());
     }
     lists.reverse();
-    eprintln!("PROF lists {:?}", clock0.elapsed());
     let total = lists.iter().map(|cells| cells.codes().len()).sum::<usize>().max(1);
     let done = AtomicUsize::new(0);
     let report = |cells: usize| {
@@ -116,12 +130,12 @@ pub fn build(
         }
     };
     let levels = (0..).zip(&lists).map(|(level, cells)| {
-        let clock = std::time::Instant::now();
         let voxels = measure_level(&facets, cells, level, options, &report);
-        eprintln!("PROF {level}: {:?} {} cells {} entries", clock.elapsed(), cells.codes().len(), cells.entry_count());
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
-    let texel = Texel::new(name, [geometry.specular, geometry.roughness], options.periodic, levels.collect());
+    let mut texel =
+        Texel::new(name, [geometry.specular, geometry.roughness], options.periodic, levels.collect());
+    openness::fill(&mut texel);
     progress(1.0);
     Ok(texel)
 }
@@ -140,6 +154,7 @@ struct Scratch {
     colors: Vec<Vec3>,
     parts: Vec<Vec3>,
     view: View,
+    seen: Vec<Seen>,
 }
 
 fn measure_level(
@@ -148,7 +163,7 @@ fn measure_level(
     level: u32,
     options: &BuildOptions,
     report: &(dyn Fn(usize) + Sync),
-) -> Vec<Voxel> {
+) -> Vec<Packed> {
     (0..cells.codes().len())
         .into_par_iter()
         .map_init(Scratch::default, |scratch, i| {
@@ -160,20 +175,23 @@ fn measure_level(
                 scratch.triangles.push(facet.corners.map(|p| p * scale - corner));
                 scratch.colors.push(facet.color);
             }
-            let voxel = measure_voxel(scratch, options.sampling(level));
+            let seed = u64::from(level) << 32 | i as u64;
+            let voxel = measure_voxel(scratch, options.sampling(level), scale.recip(), seed);
             report(1);
-            voxel
+            Packed::new(&voxel)
         })
         .collect()
 }
 
-fn measure_voxel(scratch: &mut Scratch, (directions, side): (&'static [Vec3], usize)) -> Voxel {
-    let Scratch { triangles, colors, parts, view } = scratch;
+/// Measures the voxel of edge `edge` (texel units) whose triangles are in `scratch`, in its frame.
+fn measure_voxel(scratch: &mut Scratch, sampling: Sampling, edge: f32, seed: u64) -> Voxel {
+    let Sampling { directions, side, points } = sampling;
+    let Scratch { triangles, colors, parts, view, seen } = scratch;
     let Some(region) = Region::new(triangles, parts) else {
         return Voxel::clear();
     };
     let look = |view: &mut View, &direction: &Vec3| {
-        Sight::new(&mut view.raster, &mut view.lengths, &region, triangles, colors, direction, side)
+        Sight::new(&mut view.raster, &mut view.lengths, &region, triangles, colors, direction, side, points)
     };
     // A voxel of many triangles is worth sharing between threads; one of few is not.
     let sights: Vec<Sight> = if triangles.len() > 2000 {
@@ -182,17 +200,22 @@ fn measure_voxel(scratch: &mut Scratch, (directions, side): (&'static [Vec3], us
     } else {
         directions.iter().filter_map(|d| look(view, d)).collect()
     };
-    let seen: f32 = sights.iter().map(|sight| sight.weight).sum();
+    let weight: f32 = sights.iter().map(|sight| sight.weight).sum();
     let color: Vec3 = sights.iter().map(|sight| sight.color).sum();
-    let albedo = if seen > 0.0 { color / seen } else { colors.iter().sum::<Vec3>() / colors.len() as f32 };
-    Voxel {
+    let albedo =
+        if weight > 0.0 { color / weight } else { colors.iter().sum::<Vec3>() / colors.len() as f32 };
+    let mut voxel = Voxel {
         sigma: fit(&sights),
         lo: region.lo,
         hi: region.hi,
         slab_normal: region.normal,
         slab: region.slab,
         albedo: albedo.clamp(Vec3::ZERO, Vec3::ONE),
-        kappa: 0.5,
+        kappa: 0.0,
         openness: 1.0,
-    }
+    };
+    seen.clear();
+    seen.extend(sights.iter().flat_map(|sight| &sight.points));
+    voxel.kappa = kappa(&voxel, triangles, seen, edge, seed);
+    voxel
 }

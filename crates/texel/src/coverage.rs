@@ -3,11 +3,12 @@
 //!
 //! In a direction d the rays that cross the region on lengths l should pass as often as they do:
 //! mean exp(−σ_d l) = the fraction that hits nothing. That gives σ_d; Σ is the least-squares fit of
-//! σ_d² = dᵀΣd over the directions [fidelity, builder 2–3].
+//! σ_d² = dᵀΣd over the directions.
 
 use glam::Vec3;
 use pelage_geom::Symmetric3;
 
+use crate::own_shadow::Seen;
 use crate::raster::Raster;
 use crate::region::Region;
 
@@ -48,7 +49,7 @@ pub(crate) const SIXTEEN: [Vec3; 16] = {
 };
 
 /// What one direction says of a region.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sight {
     pub(crate) direction: Vec3,
     /// Extinction per voxel edge.
@@ -57,10 +58,13 @@ pub(crate) struct Sight {
     pub(crate) color: Vec3,
     /// Area seen, in squares of the voxel's edge.
     pub(crate) weight: f32,
+    /// A few of the points seen.
+    pub(crate) points: Vec<Seen>,
 }
 
 impl Sight {
-    /// Looks along `direction` with `side`² rays; `None` where no ray crosses the region.
+    /// Looks along `direction` with `side`² rays and keeps up to `points` of what it sees; `None` where no
+    /// ray crosses the region.
     pub(crate) fn new(
         raster: &mut Raster,
         lengths: &mut Vec<f32>,
@@ -69,6 +73,7 @@ impl Sight {
         colors: &[Vec3],
         direction: Vec3,
         side: usize,
+        points: usize,
     ) -> Option<Self> {
         raster.draw(region, triangles, direction, side);
         lengths.clear();
@@ -84,14 +89,16 @@ impl Sight {
             return None;
         }
         let count = lengths.len() as f32;
-        // A fraction of 0 is known no better than to a part of a ray [fidelity, builder 3].
-        let passed = ((count - seen as f32) / count).max(0.05 / count);
+        // A fraction of 0 is known no better than to a part of a ray; a sheet's is 0.
+        let least = if region.is_thin() { 5e-4 } else { 0.05 / count };
+        let passed = ((count - seen as f32) / count).max(least);
         let footprint = raster.footprint();
         Some(Self {
             direction,
             sigma: extinction(lengths, passed),
             color: color * footprint,
             weight: seen as f32 * footprint,
+            points: raster.seen((seen / points).max(1)).take(points).collect(),
         })
     }
 }
@@ -108,7 +115,9 @@ fn extinction(lengths: &[f32], passed: f32) -> f32 {
     for _ in 0..6 {
         let [value, slope] = transmittance(lengths, sigma);
         let step = ((value / count).ln() - wanted) * value / slope;
-        if !(step > 2e-3 * sigma) || sigma >= limit {
+        // NaN, where nothing passes at all, ends the search too.
+        let goes_on = step > 2e-3 * sigma && sigma < limit;
+        if !goes_on {
             break;
         }
         sigma += step;
@@ -169,23 +178,34 @@ pub(crate) fn fit(sights: &[Sight]) -> Symmetric3 {
             normal[i][6] += weight * row[i] * sigma * sigma;
         }
     }
-    // Directions that see nothing of the region leave Σ undetermined there: it then stays small.
-    let ridge = 1e-6 * (0..6).map(|i| normal[i][i]).sum::<f64>();
+    // Where the directions leave Σ undetermined it stays small. Relative to each entry: the weights of a
+    // sheet's directions differ by a million.
+    let least = 1e-12 * (0..6).map(|i| normal[i][i]).sum::<f64>();
     for (i, row) in normal.iter_mut().enumerate() {
-        row[i] += ridge;
+        row[i] += 1e-6 * row[i] + least;
     }
     let [xx, yy, zz, xy, xz, yz] = solve(normal).map(|x| x as f32);
     let sigma = Symmetric3 { xx, yy, zz, xy, xz, yz };
-    if sigma.is_finite() { sigma.clamped_positive() } else { Symmetric3::ZERO }
+    if !sigma.is_finite() {
+        return Symmetric3::ZERO;
+    }
+    if is_positive(sigma) { sigma } else { sigma.clamped_positive() }
+}
+
+/// Whether all leading minors are positive (Sylvester's criterion): spares most matrices their eigenvalues.
+fn is_positive(s: Symmetric3) -> bool {
+    let minor = s.xx * s.yy - s.xy * s.xy;
+    s.xx > 0.0 && minor > 0.0 && s.to_mat3().determinant() > 0.0
 }
 
 /// Gaussian elimination of a positive definite system: rows of a matrix with the right-hand side appended.
 fn solve(mut rows: [[f64; 7]; 6]) -> [f64; 6] {
     for pivot in 0..6 {
-        for below in pivot + 1..6 {
-            let factor = rows[below][pivot] / rows[pivot][pivot];
-            for column in pivot..7 {
-                rows[below][column] -= factor * rows[pivot][column];
+        let above = rows[pivot];
+        for row in &mut rows[pivot + 1..] {
+            let factor = row[pivot] / above[pivot];
+            for (entry, above) in row.iter_mut().zip(above).skip(pivot) {
+                *entry -= factor * above;
             }
         }
     }

@@ -1,21 +1,22 @@
 //! The frozen texel: every level of the octree, coarsest first, each one flat allocation a kind (see
-//! [`bricks`](crate::bricks) for the bytes).
+//! [`bricks`](crate::bricks) and [`packed`](crate::packed) for the bytes).
 
 use glam::{IVec3, Vec3};
 
 use crate::bricks::Bricks;
+use crate::packed::Packed;
 use crate::{TexelError, Voxel, Walk};
 
 /// One level: `2^l` voxels a side, of which only the occupied ones are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     bricks: Bricks,
-    voxels: Vec<Voxel>,
+    voxels: Vec<Packed>,
     periodic: bool,
 }
 
 impl Level {
-    pub(crate) fn new(bricks: Bricks, voxels: Vec<Voxel>, periodic: bool) -> Self {
+    pub(crate) fn new(bricks: Bricks, voxels: Vec<Packed>, periodic: bool) -> Self {
         Self { bricks, voxels, periodic }
     }
 
@@ -40,7 +41,7 @@ impl Level {
     /// If `index` is not below [`len`](Self::len).
     #[inline]
     pub fn voxel(&self, index: u32) -> Voxel {
-        self.voxels[index as usize]
+        self.voxels[index as usize].unpack()
     }
 
     /// The voxel in a cell: s and t wrap if the texel is periodic; `None` outside it or where it is empty.
@@ -72,7 +73,7 @@ impl Level {
         self.bricks.memory() + size_of_val(self.voxels.as_slice())
     }
 
-    pub(crate) fn voxels_mut(&mut self) -> &mut [Voxel] {
+    pub(crate) fn voxels_mut(&mut self) -> &mut [Packed] {
         &mut self.voxels
     }
 }
@@ -149,7 +150,7 @@ impl Texel {
                 return Err(structure("voxels are not as many as occupied cells"));
             }
             for (voxel, stored) in level.voxels.iter().enumerate() {
-                if let Some(field) = stored.fault() {
+                if let Some(field) = stored.unpack().fault() {
                     return Err(TexelError::Voxel { level: l as u32, voxel: voxel as u32, field });
                 }
             }

@@ -10,6 +10,7 @@
 
 use glam::{Vec2, Vec3};
 
+use crate::own_shadow::Seen;
 use crate::region::Region;
 
 /// What a ray met first and last: distance along the ray, and the triangle.
@@ -48,6 +49,9 @@ impl Raster {
     /// Draws the triangles, in the voxel's frame, along the unit vector `direction` with `side`² rays.
     pub(crate) fn draw(&mut self, region: &Region, triangles: &[[Vec3; 3]], direction: Vec3, side: usize) {
         self.aim(region, direction, side);
+        if region.is_thin() {
+            self.drop_cut_rays(region);
+        }
         for (id, triangle) in triangles.iter().enumerate() {
             self.draw_triangle(triangle, id as u32);
         }
@@ -57,6 +61,19 @@ impl Raster {
     pub(crate) fn crossing(&self) -> impl Iterator<Item = (f32, &Hits)> + Clone {
         let lengths = self.enter.iter().zip(&self.leave).map(|(enter, leave)| leave - enter);
         lengths.zip(&self.hits).filter(|(length, _)| *length > 0.0)
+    }
+
+    /// What rays of the region see from their two ends: one ray in `every`, from one end and the other in turn.
+    pub(crate) fn seen(&self, every: usize) -> impl Iterator<Item = Seen> + '_ {
+        let hits = self.hits.iter().enumerate().filter(|(_, hits)| hits.any());
+        // From the middle of the first stretch, so that a few rays are not all from one border.
+        hits.skip(every / 2).step_by(every).enumerate().map(|(i, (ray, hits))| {
+            let front = i % 2 == 0;
+            let (t, triangle) = if front { hits.first } else { hits.last };
+            let viewer = if front { -self.direction } else { self.direction };
+            let point = self.point(ray, t);
+            Seen { point, triangle, viewer }
+        })
     }
 
     /// Area that one ray stands for.
@@ -112,6 +129,36 @@ impl Raster {
         }
     }
 
+    /// Forgets the rays that leave a thin slab through the side of the voxel (not where the matter ends inside
+    /// it): the sheet that they would meet lies in the neighbour, which stops them. Keeps all if it would none.
+    fn drop_cut_rays(&mut self, region: &Region) {
+        // Within 1e-3 of an edge from the voxel's side; as long as from plane to plane, to 2 % (the planes of a
+        // sheet in the voxel's side are snapped to slightly outside it).
+        const CLOSE: f32 = 1e-3;
+        const WHOLE: f32 = 0.98;
+        let across = (region.slab[1] - region.slab[0]) / region.normal.dot(self.direction).abs();
+        let at_side = |p: Vec3| p.min_element() < CLOSE || p.max_element() > 1.0 - CLOSE;
+        let is_kept = |(ray, (&enter, &leave)): (usize, (&f32, &f32))| {
+            let length = leave - enter;
+            length >= WHOLE * across
+                || length > 0.0 && ![enter, leave].iter().any(|&t| at_side(self.point(ray, t)))
+        };
+        let kept: Vec<bool> = self.enter.iter().zip(&self.leave).enumerate().map(is_kept).collect();
+        if kept.contains(&true) {
+            for (leave, _) in self.leave.iter_mut().zip(kept).filter(|(_, kept)| !kept) {
+                *leave = f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// The point of a ray at distance `t`.
+    fn point(&self, ray: usize, t: f32) -> Vec3 {
+        let (row, column) = (ray / self.side, ray % self.side);
+        let x = self.origin.x + self.spacing.x * (column as f32 + offset(row));
+        let y = self.origin.y + self.spacing.y * (row as f32 + 0.5);
+        self.across[0] * x + self.across[1] * y + self.direction * t
+    }
+
     fn project(&self, p: Vec3) -> Vec2 {
         Vec2::new(self.across[0].dot(p), self.across[1].dot(p))
     }
@@ -146,8 +193,8 @@ impl Raster {
             let (from, run) = if y < p[1].y { (p[0], lower) } else { (p[1], upper) };
             let offset = offset(row as usize);
             let [a, b] = [from.x + (y - from.y) * run, p[0].x + (y - p[0].y) * long];
-            let left = ceil((a.min(b) - offset).max(0.0));
-            let right = floor((a.max(b) - offset).min(side - 1.0));
+            let left = ceil((a.min(b) - offset).max(0.0).min(side));
+            let right = floor((a.max(b) - offset).min(side - 1.0).max(-1.0));
             let first = row as usize * self.side;
             for column in left..=right {
                 let i = first + column as usize;
@@ -182,14 +229,20 @@ fn sort_upwards(p: &mut [Vec2; 3]) {
     }
 }
 
-/// Rounds down numbers that fit an i32.
+/// Rounds down numbers within ±2²².
 fn floor(x: f32) -> i32 {
-    let whole = x as i32;
+    let whole = nearest(x);
     whole - i32::from(whole as f32 > x)
 }
 
-/// Rounds up numbers that fit an i32.
+/// Rounds up numbers within ±2²².
 fn ceil(x: f32) -> i32 {
-    let whole = x as i32;
+    let whole = nearest(x);
     whole + i32::from((whole as f32) < x)
+}
+
+/// The nearest integer, by the bits that remain when 1.5·2²³ is added.
+fn nearest(x: f32) -> i32 {
+    const ROUND: f32 = 12_582_912.0;
+    (x + ROUND).to_bits().wrapping_sub(ROUND.to_bits()) as i32
 }

@@ -4,10 +4,10 @@ use glam::Vec3;
 use pelage_geom::Symmetric3;
 
 use crate::Voxel;
-use crate::voxel::clip_slab;
+use crate::packed::{snapped_box, snapped_normal, snapped_slab};
 use crate::voxelise::Polygon;
 
-/// Box ∩ slab, in the voxel's frame.
+/// Box ∩ slab, in the voxel's frame, snapped to what a voxel can store.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Region {
     pub(crate) lo: Vec3,
@@ -29,7 +29,7 @@ impl Region {
             }
         }
         let (&first, rest) = parts.split_first()?;
-        let normal = if areas.is_finite() { areas.eigen().1.x_axis } else { Vec3::Z };
+        let normal = snapped_normal(if areas.is_finite() { areas.eigen().1.x_axis } else { Vec3::Z });
         let mut region = Self { lo: first, hi: first, normal, slab: [normal.dot(first); 2] };
         for &p in rest {
             let height = normal.dot(p);
@@ -50,26 +50,21 @@ impl Region {
                 (lo[axis], hi[axis]) = (low, low + thickness);
             }
         }
+        let [lo, hi] = snapped_box(lo, hi);
         (self.lo, self.hi) = (lo, hi);
         let missing = 0.5 * (thickness - (self.slab[1] - self.slab[0])).max(0.0);
-        self.slab = [self.slab[0] - missing, self.slab[1] + missing];
+        let [low, high] = [self.slab[0] - missing, self.slab[1] + missing];
+        // A sheet in the voxel's side thickens inwards only, as the box does.
+        let middle = self.normal.dot(0.5 * (lo + hi));
+        let reach = self.normal.abs().dot(0.5 * (hi - lo));
+        let shift = (middle - reach - low).max(0.0) - (high - middle - reach).max(0.0);
+        self.slab = snapped_slab([low + shift, high + shift]);
         self
     }
 
     /// Whether the matter is thin along its normal: rays through it cross it from plane to plane.
     pub(crate) fn is_thin(&self) -> bool {
-        // [fidelity, builder 2]: slabs under .08 of an edge behave as sheets.
+        //: slabs under .08 of an edge behave as sheets.
         self.slab[1] - self.slab[0] < 0.08
-    }
-
-    /// The part of the line `p + x d` inside the box, and inside the slab.
-    pub(crate) fn intervals(&self, p: Vec3, d: Vec3) -> [[f32; 2]; 2] {
-        let all = [f32::NEG_INFINITY, f32::INFINITY];
-        let mut inside_box = all;
-        for axis in 0..3 {
-            inside_box = clip_slab(inside_box, self.lo[axis] - p[axis], self.hi[axis] - p[axis], d[axis]);
-        }
-        let height = self.normal.dot(p);
-        [inside_box, clip_slab(all, self.slab[0] - height, self.slab[1] - height, self.normal.dot(d))]
     }
 }

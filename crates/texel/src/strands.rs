@@ -53,11 +53,11 @@ impl Fur {
     pub fn long() -> Self {
         Self {
             seed: 1,
-            count: 5200,
+            count: 3200,
             length: 0.95,
             length_variation: 0.25,
-            root_radius: 0.0034,
-            tip_radius: 0.0008,
+            root_radius: 0.0042,
+            tip_radius: 0.001,
             lean: Vec2::new(0.45, 0.1),
             curl: 0.22,
             clump: 0.45,
@@ -76,7 +76,7 @@ impl Fur {
     pub fn short() -> Self {
         Self {
             length: 0.75,
-            count: 6500,
+            count: 4200,
             length_variation: 0.2,
             lean: Vec2::new(0.9, 0.0),
             curl: 0.12,
@@ -91,7 +91,7 @@ impl Fur {
     pub fn plush() -> Self {
         Self {
             length: 0.8,
-            count: 7500,
+            count: 5000,
             length_variation: 0.12,
             lean: Vec2::new(0.12, 0.05),
             curl: 0.4,
@@ -130,7 +130,8 @@ impl Fur {
         for k in 0..segments {
             let x = (k as f32 + 0.5) / segments as f32;
             let pull = to_lock * (self.clump * 2.0 * x / length.max(1e-3));
-            let slope = self.lean * 2.0 * x + own + Vec2::from_angle(phase + TAU * turns * x) * wave * x + pull;
+            let slope =
+                self.lean * 2.0 * x + own + Vec2::from_angle(phase + TAU * turns * x) * wave * x + pull;
             point += slope.extend(1.0).normalize() * (length / segments as f32);
             points.push(point);
         }
@@ -174,19 +175,19 @@ fn tube(
     radius: impl Fn(f32) -> f32,
     color: impl Fn(f32) -> Vec3,
 ) {
-    let last = points.len() - 1;
+    let last = points.len().saturating_sub(1);
     let tangent = |k: usize| (points[(k + 1).min(last)] - points[k.saturating_sub(1)]).normalize_or(Vec3::Z);
     // One frame carried along the curve, so that the sides do not twist.
     let mut right = tangent(0).any_orthonormal_vector();
     let mut ring: Vec<Vec3> = Vec::new();
-    for k in 0..=last {
+    for (k, &point) in points.iter().enumerate() {
         let along = tangent(k);
         right = (right - along * along.dot(right)).normalize_or(along.any_orthonormal_vector());
         let up = along.cross(right);
         let r = radius(k as f32 / last as f32);
         let next: Vec<Vec3> = (0..sides)
             .map(|side| Vec2::from_angle(TAU * side as f32 / sides as f32) * r)
-            .map(|p| points[k] + right * p.x + up * p.y)
+            .map(|p| point + right * p.x + up * p.y)
             .collect();
         if k > 0 {
             let color = color((k as f32 - 0.5) / last as f32);

@@ -195,13 +195,21 @@ mod tests {
         let mut codes = Vec::new();
         let mut kept = vec![];
         for shift in [0, 2, 4] {
-            kept.push((0..1_u32 << (3 * (log.saturating_sub(shift)))).map(|_| random.unit() < fill).collect::<Vec<_>>());
+            kept.push(
+                (0..1_u32 << (3 * (log.saturating_sub(shift))))
+                    .map(|_| random.unit() < fill)
+                    .collect::<Vec<_>>(),
+            );
         }
         for z in 0..size {
             for y in 0..size {
                 for x in 0..size {
                     let code = morton([x, y, z]);
-                    if [0, 2, 4].iter().zip(&kept).all(|(&s, kept)| kept.get(code as usize >> (3 * s)) == Some(&true)) {
+                    if [0, 2, 4]
+                        .iter()
+                        .zip(&kept)
+                        .all(|(&s, kept)| kept.get(code as usize >> (3 * s)) == Some(&true))
+                    {
                         codes.push(code);
                     }
                 }
@@ -257,27 +265,35 @@ mod tests {
         }
         let length = f64::from((to - from).length());
         let slack = 8.0 * f64::from(reach) * 2.0_f64.powi(-23);
-        let slowest = (to - from).abs().to_array().into_iter().filter(|d| *d > 0.0).fold(f32::INFINITY, f32::min);
+        let slowest =
+            (to - from).abs().to_array().into_iter().filter(|d| *d > 0.0).fold(f32::INFINITY, f32::min);
         // An error of `slack` cells across an axis is one of slack/|d| in the parameter.
         let tolerance = (slack / f64::from(slowest)).min(1.0);
         let expected = all_cells(bricks, periodic, from, to);
         for step in &steps {
-            assert!(step.enter >= 0.0 && step.leave <= 1.0 && step.leave > step.enter, "range, {}", context());
+            assert!(
+                step.enter >= 0.0 && step.leave <= 1.0 && step.leave > step.enter,
+                "range, {}",
+                context()
+            );
             let voxel = bricks.find(step.cell & (bricks.resolution() as i32 - 1));
             assert_eq!(voxel, Some(step.voxel), "{}", context());
             // The middle of every step lies in its cell.
-            let middle = from.as_dvec3() + (to - from).as_dvec3() * f64::from(0.5 * (step.enter + step.leave));
+            let middle =
+                from.as_dvec3() + (to - from).as_dvec3() * f64::from(0.5 * (step.enter + step.leave));
             let outside = (middle - step.cell.as_dvec3() - 0.5).abs().max_element() - 0.5;
             assert!(outside <= slack, "{outside} outside {} at {step:?}, {}", step.cell, context());
         }
         for &(cell, enter, leave) in &expected {
             match steps.iter().find(|step| step.cell == cell) {
                 Some(step) => {
-                    let error = (f64::from(step.enter) - enter).abs().max((f64::from(step.leave) - leave).abs());
+                    let error =
+                        (f64::from(step.enter) - enter).abs().max((f64::from(step.leave) - leave).abs());
                     assert!(error <= tolerance + 1e-6, "{error} at {cell}, {}", context());
                 }
                 None => assert!(
-                    (leave - enter) * length <= 4.0 * slack + 2e-7 * length || leave - enter <= 2.0 * tolerance,
+                    (leave - enter) * length <= 4.0 * slack + 2e-7 * length
+                        || leave - enter <= 2.0 * tolerance,
                     "{cell} missed for {} cells, {}",
                     (leave - enter) * length,
                     context()

@@ -8,7 +8,7 @@
 //! | κ | how much of its own depth shadows it, apart from any light | none |
 //! | openness | how much of the upper hemisphere it sees | none |
 //!
-//! The region decides the picture more than anything else ([fidelity, 1]): a voxel is not a cube of fog.
+//! The region decides the picture more than anything else: a voxel is not a cube of fog.
 
 use glam::Vec3;
 use pelage_geom::Symmetric3;
@@ -17,7 +17,7 @@ use pelage_geom::Symmetric3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Voxel {
     /// Positive semi-definite, in units of the level's voxel edge: a step `d` inside the region has optical
-    /// depth sqrt(dᵀΣd) [seed §6.1, method §4].
+    /// depth sqrt(dᵀΣd) [seed §6.1].
     pub sigma: Symmetric3,
     /// Lower corner of the tight box.
     pub lo: Vec3,
@@ -97,7 +97,7 @@ impl Voxel {
 
 /// The part of `range` where `x·speed` lies in `[near, far]`; empty as a reversed interval.
 #[inline]
-pub(crate) fn clip_slab(range: [f32; 2], near: f32, far: f32, speed: f32) -> [f32; 2] {
+fn clip_slab(range: [f32; 2], near: f32, far: f32, speed: f32) -> [f32; 2] {
     // Slower than this the line stays on its side of both planes over any voxel: 1e-12 of an edge a step.
     if speed.abs() < 1e-12 {
         let inside = near <= 0.0 && 0.0 <= far;

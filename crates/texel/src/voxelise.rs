@@ -13,7 +13,7 @@ use crate::bricks::{demorton, morton};
 /// Parts of triangles below this area, in squares of the finest voxel's edge, are dropped.
 const MIN_AREA: f32 = 1e-10;
 
-/// A triangle of a [`Soup`].
+/// A triangle of the tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Facet {
     /// Corners, in texel coordinates.

@@ -22,8 +22,6 @@ pub(crate) struct Files {
 impl Files {
     /// The files that `scene` may refer to.
     pub(crate) fn around(scene: &Path, allowed: &[PathBuf], limits: Limits) -> Result<Self, ImportError> {
-        // Said of the scene itself, before its folder: "no such file" is clearer than "no such folder".
-        fs::metadata(scene).map_err(|e| Fault::Io(e).at(scene, Place::File))?;
         let own = match scene.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),

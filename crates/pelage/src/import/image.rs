@@ -61,7 +61,8 @@ fn linear(image: DynamicImage) -> Vec<Vec3> {
     match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             // An infinite or negative radiance would poison every mean that it enters.
-            let tame = |c: &image::Rgb<f32>| Vec3::from(c.0).map(|x| if x > 0.0 { x.min(65504.0) } else { 0.0 });
+            let tame =
+                |c: &image::Rgb<f32>| Vec3::from(c.0).map(|x| if x > 0.0 { x.min(65504.0) } else { 0.0 });
             image.to_rgb32f().pixels().map(tame).collect()
         }
         DynamicImage::ImageRgb16(_)

@@ -110,7 +110,8 @@ fn map(text: &str, files: &Files, textures: &mut Textures) -> Result<(TextureId,
         let arguments = match option {
             "-o" | "-s" | "-t" => 3,
             "-mm" => 2,
-            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => 1,
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-bm" | "-boost" | "-texres" | "-imfchan"
+            | "-type" => 1,
             _ => break, // a file whose name begins with a dash
         };
         rest = after;

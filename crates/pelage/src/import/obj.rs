@@ -122,7 +122,7 @@ impl<'a> Reader<'a> {
                     Up::Z => Vec3::new(x, z, -y),
                 };
                 let position = upright * self.options.unit;
-                if !(position.abs().max_element() <= Mesh::POSITION_LIMIT) {
+                if position.abs().max_element() > Mesh::POSITION_LIMIT {
                     return Err(Fault::NotANumber(rest.to_owned()));
                 }
                 self.positions.push(position);
@@ -164,7 +164,10 @@ impl<'a> Reader<'a> {
             });
         }
         if self.corners.len() < 3 {
-            return Err(Fault::Syntax(format!("a face needs three corners, this has {}", self.corners.len())));
+            return Err(Fault::Syntax(format!(
+                "a face needs three corners, this has {}",
+                self.corners.len()
+            )));
         }
         if self.corners.len() > 4 {
             self.fans.note(line);
@@ -196,8 +199,10 @@ impl<'a> Reader<'a> {
             return;
         }
         let (mesh, lost) = welder.finish();
-        for (_, what) in [(lost.uvs, "texture coordinates"), (lost.normals, "normals")].iter().filter(|l| l.0) {
-            let message = format!("mesh `{}`: only some faces have usable {what}, which are left out", mesh.name);
+        for (_, what) in [(lost.uvs, "texture coordinates"), (lost.normals, "normals")].iter().filter(|l| l.0)
+        {
+            let message =
+                format!("mesh `{}`: only some faces have usable {what}, which are left out", mesh.name);
             self.warnings.push(Warning { file: self.path.to_owned(), place: Place::File, message });
         }
         self.meshes.push(mesh);
@@ -242,14 +247,17 @@ impl<'a> Reader<'a> {
             whole => vec![(names, whole)],
         };
         for (name, path) in paths {
-            let read =
-                path.and_then(|p| {
-                    mtl::read(&p, self.files, &mut self.textures, &mut self.warnings).map_err(|e| match e {
-                        // A missing library costs colours; a broken one is the reader's to mend.
-                        ImportError { place: Place::File, fault: fault @ (Fault::Io(_) | Fault::NotRegular), .. } => fault,
-                        other => Fault::Syntax(other.to_string()),
-                    })
-                });
+            let read = path.and_then(|p| {
+                mtl::read(&p, self.files, &mut self.textures, &mut self.warnings).map_err(|e| match e {
+                    // A missing library costs colours; a broken one is the reader's to mend.
+                    ImportError {
+                        place: Place::File,
+                        fault: fault @ (Fault::Io(_) | Fault::NotRegular),
+                        ..
+                    } => fault,
+                    other => Fault::Syntax(other.to_string()),
+                })
+            });
             match read {
                 Ok(entries) => {
                     for entry in entries {
@@ -312,9 +320,5 @@ fn index(part: Option<&str>, what: &'static str, count: usize) -> Result<Option<
     let index: i64 = text.parse().map_err(|_| Fault::NotANumber(text.to_owned()))?;
     let resolved = if index > 0 { index - 1 } else { count as i64 + index };
     // Zero resolves to `count`, which is out of range like every other bad index.
-    usize::try_from(resolved)
-        .ok()
-        .filter(|&i| i < count)
-        .map(Some)
-        .ok_or(Fault::Index { what, index, count })
+    usize::try_from(resolved).ok().filter(|&i| i < count).map(Some).ok_or(Fault::Index { what, index, count })
 }

@@ -42,10 +42,12 @@ pub fn write_exr(film: &Film, path: &Path, options: &ExrOptions) -> Result<(), O
             let pixel = &film.pixels[y * size.x() + x];
             (pixel.color.x, pixel.color.y, pixel.color.z, pixel.alpha, pixel.depth)
         });
-    let mut attributes = LayerAttributes::default();
-    attributes.layer_position = Vec2(window.x as i32, window.y as i32);
-    attributes.software_name = Text::new_or_none(concat!("pelage ", env!("CARGO_PKG_VERSION")));
-    attributes.world_to_camera = options.camera.map(|camera| world_to_camera(&camera).to_cols_array());
+    let attributes = LayerAttributes {
+        layer_position: Vec2(window.x as i32, window.y as i32),
+        software_name: Text::new_or_none(concat!("pelage ", env!("CARGO_PKG_VERSION"))),
+        world_to_camera: options.camera.map(|camera| world_to_camera(&camera).to_cols_array()),
+        ..LayerAttributes::default()
+    };
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,

@@ -146,7 +146,10 @@ pub fn check_output(path: &Path) -> Result<Format, OutputError> {
 }
 
 /// Writes a file beside `path`, makes sure that it is on the disk, and gives it the name.
-fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), OutputError> {
+fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), OutputError> {
     let temporary = temporary(path);
     let attempt = || {
         let mut file = BufWriter::new(create(&temporary)?);

@@ -27,8 +27,12 @@ impl<'a> Document<'a> {
         } else {
             (bytes.as_slice(), None)
         };
-        let root: json::Root = json::deserialize::from_slice(text)
-            .map_err(|e| Fault::Syntax(format!("the JSON cannot be read: {e}")).at(path, Place::Line(e.line())))?;
+        let root: json::Root = json::deserialize::from_slice(text).map_err(|e| {
+            let message = e.to_string();
+            // The line is told as the place.
+            let reason = message.split(" at line ").next().unwrap_or_default();
+            Fault::Syntax(format!("the JSON cannot be read: {reason}")).at(path, Place::Line(e.line()))
+        })?;
         let mut buffers = Vec::with_capacity(root.buffers.len());
         let mut total = 0;
         for (i, buffer) in root.buffers.iter().enumerate() {
@@ -72,7 +76,10 @@ impl<'a> Document<'a> {
     }
 
     /// The bytes of a buffer view, and its stride if it has one.
-    pub(super) fn view(&self, index: Index<json::buffer::View>) -> Result<(&[u8], Option<usize>), ImportError> {
+    pub(super) fn view(
+        &self,
+        index: Index<json::buffer::View>,
+    ) -> Result<(&[u8], Option<usize>), ImportError> {
         let field = format!("bufferViews[{}]", index.value());
         let view = self.get(&self.root.buffer_views, index, "buffer view", "bufferView")?;
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(|| {
@@ -90,7 +97,10 @@ impl<'a> Document<'a> {
     }
 
     /// The elements of an accessor with `N` components, as floats; integers are scaled where it says so.
-    pub(super) fn floats<const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[f32; N]>, ImportError> {
+    pub(super) fn floats<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+    ) -> Result<Vec<[f32; N]>, ImportError> {
         self.elements(index, |bytes, component, normalized| {
             std::array::from_fn(|i| {
                 let value = decode(bytes, i, component);
@@ -100,7 +110,10 @@ impl<'a> Document<'a> {
     }
 
     /// The elements of an accessor with `N` unsigned components.
-    pub(super) fn unsigned<const N: usize>(&self, index: Index<Accessor>) -> Result<Vec<[u32; N]>, ImportError> {
+    pub(super) fn unsigned<const N: usize>(
+        &self,
+        index: Index<Accessor>,
+    ) -> Result<Vec<[u32; N]>, ImportError> {
         self.elements(index, |bytes, component, _| {
             std::array::from_fn(|i| decode(bytes, i, component) as u32)
         })
@@ -114,16 +127,24 @@ impl<'a> Document<'a> {
         let field = format!("accessors[{}]", index.value());
         let at = |fault: Fault| self.fault(field.as_str(), fault);
         let accessor = self.get(&self.root.accessors, index, "accessor", "accessor")?;
-        let (Checked::Valid(component), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
+        let (Checked::Valid(component), Checked::Valid(shape)) = (accessor.component_type, accessor.type_)
+        else {
             return Err(at(Fault::Syntax("has an unknown component or element type".into())));
         };
         let component = component.0;
         if components(shape) != N {
-            return Err(at(Fault::Syntax(format!("has {} components where {N} are needed", components(shape)))));
+            return Err(at(Fault::Syntax(format!(
+                "has {} components where {N} are needed",
+                components(shape)
+            ))));
         }
         let limit = 4 * self.files.limits.faces;
         if accessor.count.0 > limit {
-            return Err(at(Fault::Limit { what: "elements of the accessor", found: accessor.count.0, limit }));
+            return Err(at(Fault::Limit {
+                what: "elements of the accessor",
+                found: accessor.count.0,
+                limit,
+            }));
         }
         let count = accessor.count.0 as usize;
         let size = N * bytes_of(component);
@@ -142,7 +163,8 @@ impl<'a> Document<'a> {
             };
             let index_size = bytes_of(index_type.0);
             let changed = usize::try_from(sparse.count.0).ok().filter(|&c| c <= count);
-            let changed = changed.ok_or_else(|| at(Fault::Syntax("changes more elements than it has".into())))?;
+            let changed =
+                changed.ok_or_else(|| at(Fault::Syntax("changes more elements than it has".into())))?;
             let (bytes, _) = self.view(sparse.indices.buffer_view)?;
             let indices = strided(bytes, sparse.indices.byte_offset.0, None, index_size, changed);
             let (bytes, _) = self.view(sparse.values.buffer_view)?;
@@ -223,10 +245,17 @@ fn normalize(value: f64, component: ComponentType) -> f64 {
     }
 }
 
-/// The JSON and binary chunks of a binary glTF, or the byte at which it goes wrong, and how. [glTF §4]
-fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), (usize, &'static str)> {
+/// The JSON of a binary glTF, and the binary chunk if it has one.
+type Chunks<'a> = (&'a [u8], Option<&'a [u8]>);
+
+/// The chunks of a binary glTF, or the byte at which it goes wrong, and how. [glTF §4]
+fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, (usize, &'static str)> {
     let word = |at: usize| {
-        bytes.get(at..at + 4).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes).ok_or((at, "the file ends here"))
+        bytes
+            .get(at..at + 4)
+            .and_then(|b| b.try_into().ok())
+            .map(u32::from_le_bytes)
+            .ok_or((at, "the file ends here"))
     };
     if word(4)? != 2 {
         return Err((4, "only version 2 of binary glTF is supported"));
@@ -323,7 +352,8 @@ mod tests {
 
     #[test]
     fn base64_of_rfc_4648() {
-        for (text, bytes) in [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE", "fooba")] {
+        for (text, bytes) in [("", ""), ("Zg==", "f"), ("Zm8=", "fo"), ("Zm9v", "foo"), ("Zm9vYmE", "fooba")]
+        {
             assert_eq!(base64(text).as_deref(), Some(bytes.as_bytes()), "{text}");
         }
         assert_eq!(base64("Z"), None);
@@ -340,7 +370,8 @@ mod tests {
     #[test]
     fn strided_elements_stay_inside() {
         let bytes = [0, 1, 2, 3, 4, 5, 6];
-        let at = |stride, count| strided(&bytes, 1, stride, 2, count).map(|e| e.map(|b| b[0]).collect::<Vec<_>>());
+        let at =
+            |stride, count| strided(&bytes, 1, stride, 2, count).map(|e| e.map(|b| b[0]).collect::<Vec<_>>());
         assert_eq!(at(None, 3), Some(vec![1, 3, 5]));
         assert_eq!(at(Some(4), 2), Some(vec![1, 5]));
         assert_eq!(at(Some(4), 3), None);

@@ -23,7 +23,12 @@ pub(super) struct Pose<'a> {
 impl Importer<'_> {
     /// All primitives of a mesh in one, in the mesh's own coordinates (in scene space if it is skinned), or `None`
     /// if there is no face in it.
-    pub(super) fn mesh(&mut self, index: usize, name: &str, pose: &Pose) -> Result<Option<Mesh>, ImportError> {
+    pub(super) fn mesh(
+        &mut self,
+        index: usize,
+        name: &str,
+        pose: &Pose,
+    ) -> Result<Option<Mesh>, ImportError> {
         let mut welder = Welder::new(name);
         for p in 0..self.document.root.meshes[index].primitives.len() {
             self.primitive(index, p, pose, &mut welder)?;
@@ -41,7 +46,13 @@ impl Importer<'_> {
         Ok(Some(mesh))
     }
 
-    fn primitive(&mut self, mesh: usize, p: usize, pose: &Pose, welder: &mut Welder) -> Result<(), ImportError> {
+    fn primitive(
+        &mut self,
+        mesh: usize,
+        p: usize,
+        pose: &Pose,
+        welder: &mut Welder,
+    ) -> Result<(), ImportError> {
         let document = &self.document;
         let primitive = &document.root.meshes[mesh].primitives[p];
         let field = format!("meshes[{mesh}].primitives[{p}]");
@@ -58,7 +69,11 @@ impl Importer<'_> {
             return Ok(());
         };
         let count_of = |i: usize, list: usize| {
-            if i == list { Ok(()) } else { Err(fault(Fault::Syntax(format!("has {list} positions, but {i} of another attribute")))) }
+            if i == list {
+                Ok(())
+            } else {
+                Err(fault(Fault::Syntax(format!("has {list} positions, but {i} of another attribute"))))
+            }
         };
         let mut positions = document.floats::<3>(positions)?;
         let count = positions.len();
@@ -72,7 +87,8 @@ impl Importer<'_> {
         let uv_map = self.materials.uv_maps[material];
         let uvs = attribute(primitive, Semantic::TexCoords(uv_map.set)).map(|a| document.floats::<2>(a));
         let uvs = uvs.transpose()?;
-        let mut normals = attribute(primitive, Semantic::Normals).map(|a| document.floats::<3>(a)).transpose()?;
+        let mut normals =
+            attribute(primitive, Semantic::Normals).map(|a| document.floats::<3>(a)).transpose()?;
         count_of(uvs.as_ref().map_or(count, Vec::len), count)?;
         count_of(normals.as_ref().map_or(count, Vec::len), count)?;
         for (target, &weight) in primitive.targets.iter().flatten().zip(pose.weights) {
@@ -121,14 +137,19 @@ impl Importer<'_> {
     }
 
     /// The matrix of each vertex of a skinned primitive: Σ weight · joint. [glTF §3.7.3]
-    fn blend(&self, primitive: &Primitive, joints: &[Mat4], count: usize, field: &str) -> Result<Vec<Mat4>, ImportError> {
+    fn blend(
+        &self,
+        primitive: &Primitive,
+        joints: &[Mat4],
+        count: usize,
+        field: &str,
+    ) -> Result<Vec<Mat4>, ImportError> {
         let mut blend = vec![Mat4::ZERO; count];
         let mut total = vec![0.0_f32; count];
         for set in 0.. {
-            let (Some(j), Some(w)) = (
-                attribute(primitive, Semantic::Joints(set)),
-                attribute(primitive, Semantic::Weights(set)),
-            ) else {
+            let (Some(j), Some(w)) =
+                (attribute(primitive, Semantic::Joints(set)), attribute(primitive, Semantic::Weights(set)))
+            else {
                 break;
             };
             let (indices, weights) = (self.document.unsigned::<4>(j)?, self.document.floats::<4>(w)?);

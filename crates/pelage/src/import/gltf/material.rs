@@ -80,7 +80,8 @@ impl Materials {
         let factor = Vec3::new(r, g, b);
         let emissive = Vec3::from(material.emissive_factor.0)
             * extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
-        let specular = 0.04 * extensions.and_then(|e| e.specular.as_ref()).map_or(1.0, |s| s.specular_factor.0);
+        let specular =
+            0.04 * extensions.and_then(|e| e.specular.as_ref()).map_or(1.0, |s| s.specular_factor.0);
         let numbers = [roughness, metalness, specular];
         if !(factor.is_finite() && emissive.is_finite() && numbers.iter().all(|x| x.is_finite())) {
             let fault = Fault::NotANumber("a factor of the material".into());
@@ -96,7 +97,8 @@ impl Materials {
         let unlit = extensions.is_some_and(|e| e.unlit.is_some());
         let base_color = factor.clamp(Vec3::ZERO, Vec3::ONE);
         let brightness = base_color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        let specular = specular.clamp(0.0, 1.0) * (1.0 - metalness) + brightness * metalness * (1.0 - roughness);
+        let specular =
+            specular.clamp(0.0, 1.0) * (1.0 - metalness) + brightness * metalness * (1.0 - roughness);
         self.list.push(Material {
             name: material.name.clone().unwrap_or_default(),
             base_color: base_color * (1.0 - metalness * (1.0 - roughness)),
@@ -127,7 +129,9 @@ impl Materials {
         let image_field = format!("images[{image_index}]");
         let decoded = match (image.buffer_view, &image.uri) {
             (Some(view), _) => self.textures.decode(document.view(view)?.0, document.files),
-            (None, Some(uri)) => fetch(uri, document.files).and_then(|b| self.textures.decode(&b, document.files)),
+            (None, Some(uri)) => {
+                fetch(uri, document.files).and_then(|b| self.textures.decode(&b, document.files))
+            }
             (None, None) => Err(Fault::Syntax("has neither `uri` nor `bufferView`".into())),
         };
         let known = match decoded {

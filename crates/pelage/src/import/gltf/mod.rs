@@ -37,7 +37,9 @@ pub(super) fn read(path: &Path, files: &Files, options: &ImportOptions) -> Resul
     let document = Document::open(path, files)?;
     let supported = |name: &&String| SUPPORTED.contains(&name.as_str());
     if let Some(name) = document.root.extensions_required.iter().find(|name| !supported(name)) {
-        return Err(Fault::RequiredExtension(name.clone()).at(path, Place::Field("extensionsRequired".into())));
+        return Err(
+            Fault::RequiredExtension(name.clone()).at(path, Place::Field("extensionsRequired".into()))
+        );
     }
     let mut warnings = Vec::new();
     for name in document.root.extensions_used.iter().filter(|name| !supported(name)) {
@@ -112,7 +114,9 @@ impl Importer<'_> {
                 return Err(document.fault(field, Fault::NotANumber("the node's transform".into())));
             }
             if globals[index].replace(global).is_some() {
-                return Err(document.fault(field, Fault::Syntax("has two parents, or is its own ancestor".into())));
+                return Err(
+                    document.fault(field, Fault::Syntax("has two parents, or is its own ancestor".into()))
+                );
             }
             for child in node.children.iter().flatten().rev() {
                 pending.push((child.value(), global, depth + 1));

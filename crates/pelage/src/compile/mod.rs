@@ -1,25 +1,24 @@
 //! From a described scene to one that can be rendered, in stages that callers can time: [`Loaded::new`],
 //! [`Loaded::bake`], [`Loaded::extrude`], [`Loaded::compile`].
 
-use std::ops::ControlFlow;
-use std::path::Path;
+mod dress;
+mod prepared;
+
 use std::sync::Arc;
 
-use glam::{EulerRot, Mat4, Quat, Vec2, Vec3};
-use pelage_geom::Mesh;
-use pelage_skin::{Skin, SkinOptions, extrude};
+use glam::{EulerRot, Mat3, Mat4, Quat, Vec2, Vec3};
 use pelage_texel::{BuildOptions, Fur, Procedure, Texel, build};
-use pelage_tracer::{
-    Camera, Coat, Description, Environment, Film, Light, Progress, Rect, Scene, Settings, render,
-};
+use pelage_tracer::{Camera, Coat, Description, Environment, Light, Rect, Scene, Settings};
 
-use crate::choices::Background;
-use crate::compose::{Backdrop, over};
+pub use dress::Dressed;
+use dress::Selection;
+pub use prepared::Prepared;
+
 use crate::error::{Error, FieldError};
-use crate::import::{Files, ImportOptions, Imported, import};
+use crate::import::{Fault, Files, ImportOptions, Imported, Place, import};
 use crate::names;
-use crate::output::{Display, ExrOptions, Format, OutputError, write_exr, write_png};
-use crate::scene_file::{CameraEntry, FurEntry, LightEntry, SceneFile, SkinEntry, TexelEntry};
+use crate::output::Display;
+use crate::scene_file::{CameraEntry, FurEntry, LightEntry, SceneFile, TexelEntry};
 use crate::staging;
 
 /// A scene whose files have been read.
@@ -33,41 +32,6 @@ pub struct Loaded {
     dressed: Vec<Vec<Selection>>,
 }
 
-/// The faces of a mesh that wear a skin.
-#[derive(Clone, Debug)]
-struct Selection {
-    mesh: usize,
-    /// By face.
-    selected: Vec<bool>,
-}
-
-/// A skin on a mesh.
-#[derive(Clone, Debug)]
-pub struct Dressed {
-    /// Which entry of [`SceneFile::skin`] it comes from.
-    pub entry: usize,
-    /// Which mesh of [`Imported::meshes`] it stands on.
-    pub mesh: usize,
-    /// Its boxes, and the report of their making.
-    pub skin: Skin,
-}
-
-/// A scene that can be rendered.
-pub struct Prepared {
-    /// What is seen.
-    pub scene: Scene,
-    /// From where.
-    pub camera: Camera,
-    /// How.
-    pub settings: Settings,
-    /// How radiance is shown.
-    pub display: Display,
-    /// The light of the surroundings, which may be the background too.
-    pub environment: Environment,
-    /// What was asked to stand behind; `None` leaves it to the format.
-    pub background: Option<Background>,
-}
-
 impl Loaded {
     /// Reads the mesh files of a scene, puts them in their places and finds what the skins stand on.
     ///
@@ -76,34 +40,33 @@ impl Loaded {
     pub fn new(file: SceneFile) -> Result<Self, Error> {
         file.validate()?;
         let mut imported = Imported::default();
-        for entry in &file.geometry {
+        for (i, entry) in file.geometry.iter().enumerate() {
             let options = ImportOptions {
                 up: entry.up,
                 unit: entry.unit,
                 allow_dirs: file.allow_dirs.clone(),
                 ..ImportOptions::default()
             };
-            let files = Files::around(&file.path, &file.allow_dirs, options.limits)?;
-            let path = match files.resolve(&entry.file) {
-                // Messages name files as the user knows them.
-                Ok(_) => file.folder().join(&entry.file),
-                Err(fault) => {
-                    let reason = format!("`{}` {fault}", entry.file);
-                    return Err(FieldError { file: file.path.clone(), field: "geometry".into(), reason }.into());
+            let path = file.path.with_file_name(&entry.file);
+            // A mesh file that is itself the scene was named by the user, wherever a link of that name leads.
+            if path != file.path {
+                let files = Files::around(&file.path, &file.allow_dirs, options.limits)?;
+                if let Err(fault @ Fault::Outside(_)) = files.resolve(&entry.file) {
+                    return Err(fault.at(&file.path, Place::Field(format!("geometry[{i}].file"))).into());
                 }
-            };
+            }
             let mut part = import(&path, &options)?;
             place(&mut part, entry.scale, entry.rotate, entry.translate);
+            for mesh in &part.meshes {
+                mesh.validate().map_err(|e| Fault::Mesh(e).at(&path, Place::File))?;
+            }
             imported.append(part);
-        }
-        for mesh in &imported.meshes {
-            mesh.validate().map_err(|e| crate::import::Fault::Mesh(e).at(&file.path, crate::import::Place::File))?;
         }
         let dressed = file
             .skin
             .iter()
             .enumerate()
-            .map(|(i, skin)| select(&file, i, skin, &imported))
+            .map(|(i, skin)| dress::select(&file, i, skin, &imported))
             .collect::<Result<_, _>>()?;
         Ok(Self { file, imported, dressed })
     }
@@ -123,39 +86,14 @@ impl Loaded {
                     let TexelEntry::Fur(fur) = &entry.texel;
                     let field = || format!("{}: skin[{i}].texel", self.file.path.display());
                     let fraction = |f: f32| progress((i as f32 + f) / count);
-                    Arc::new(bake_fur(fur, &fraction).map_err(|source| Error::Texel { field: field(), source })?)
+                    Arc::new(
+                        bake_fur(fur, &fraction).map_err(|source| Error::Texel { field: field(), source })?,
+                    )
                 }
             };
             texels.push(texel);
         }
         Ok(texels)
-    }
-
-    /// Raises the boxes of each skin on each mesh that wears it.
-    ///
-    /// # Errors
-    /// What [`extrude`] refuses.
-    pub fn extrude(&self) -> Result<Vec<Dressed>, Error> {
-        let mut skins = Vec::new();
-        for (entry, (skin, selections)) in self.file.skin.iter().zip(&self.dressed).enumerate() {
-            let meshes = || selections.iter().filter_map(|s| self.imported.meshes[s.mesh].bounds());
-            let options = SkinOptions {
-                tiling: skin.tiling,
-                aspect: skin.aspect,
-                folds: skin.folds,
-                ..SkinOptions::new(skin.height.unwrap_or_else(|| height_for(meshes())))
-            };
-            for Selection { mesh, selected } in selections {
-                let skin = extrude(&self.imported.meshes[*mesh], &|face| selected[face], &options).map_err(
-                    |source| {
-                        let field = format!("{}: skin[{entry}]", self.file.path.display());
-                        Error::Skin { field, source }
-                    },
-                )?;
-                skins.push(Dressed { entry, mesh: *mesh, skin });
-            }
-        }
-        Ok(skins)
     }
 
     /// Puts everything together. `texels` is what [`Loaded::bake`] returned, `skins` what [`Loaded::extrude`] did.
@@ -215,43 +153,6 @@ impl Loaded {
     }
 }
 
-impl Prepared {
-    /// Renders the film; [`render`] with what was described.
-    ///
-    /// # Errors
-    /// Settings out of their domain; a stop, with the partial film.
-    pub fn render(&self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<Film, Error> {
-        Ok(render(&self.scene, &self.camera, &self.settings, progress)?)
-    }
-
-    /// Writes the film, its background behind it: a PNG as a screen shows it, an EXR as linear radiance.
-    ///
-    /// # Errors
-    /// [`OutputError`]; a file of that name is then what it was before.
-    pub fn write(&self, film: &Film, path: &Path, format: Format) -> Result<(), OutputError> {
-        let film = over(film, &self.camera, &self.backdrop(format));
-        match format {
-            Format::Png => write_png(&film, path, &self.display),
-            Format::Exr => write_exr(&film, path, &ExrOptions { camera: Some(self.camera) }),
-        }
-    }
-
-    fn backdrop(&self, format: Format) -> Backdrop {
-        match (self.background, format) {
-            (Some(Background::Sky), _) | (None, Format::Png) => Backdrop::Sky(self.environment),
-            (Some(Background::None), _) | (None, Format::Exr) => Backdrop::Transparent,
-            (Some(Background::Color(srgb)), format) => {
-                let linear = Vec3::from(srgb.map(|x| crate::import::srgb_to_linear(f32::from(x) / 255.0)));
-                Backdrop::Color(match format {
-                    // So that the screen shows just this colour, whatever the exposure.
-                    Format::Png => self.display.radiance_of(linear),
-                    Format::Exr => linear,
-                })
-            }
-        }
-    }
-}
-
 /// Scales, turns and moves all that a file holds.
 fn place(part: &mut Imported, scale: f32, rotate: [f32; 3], translate: [f32; 3]) {
     let [x, y, z] = rotate.map(f32::to_radians);
@@ -267,7 +168,7 @@ fn place(part: &mut Imported, scale: f32, rotate: [f32; 3], translate: [f32; 3])
     }
     for (_, camera) in &mut part.cameras {
         camera.position = transform.transform_point3(camera.position);
-        camera.orientation = glam::Mat3::from_quat(rotation) * camera.orientation;
+        camera.orientation = Mat3::from_quat(rotation) * camera.orientation;
     }
     for light in &mut part.lights {
         match light {
@@ -285,46 +186,15 @@ fn place(part: &mut Imported, scale: f32, rotate: [f32; 3], translate: [f32; 3])
     }
 }
 
-/// The faces that a skin's names select, by mesh.
-fn select(file: &SceneFile, index: usize, skin: &SkinEntry, imported: &Imported) -> Result<Vec<Selection>, Error> {
-    let Imported { meshes, materials, .. } = imported;
-    let wears = |mesh: &Mesh, name: &str| {
-        mesh.name == name
-            || mesh.faces.iter().any(|f| materials.get(f.material.0 as usize).is_some_and(|m| m.name == name))
-    };
-    for name in &skin.on {
-        if !meshes.iter().any(|mesh| wears(mesh, name)) {
-            let known = meshes.iter().map(|m| m.name.as_str()).chain(materials.iter().map(|m| m.name.as_str()));
-            let reason = names::unknown("mesh or material", name, known);
-            return Err(FieldError { file: file.path.clone(), field: format!("skin[{index}].on"), reason }.into());
-        }
-    }
-    let selected = |mesh: &Mesh| -> Vec<bool> {
-        let whole = skin.on.is_empty() || skin.on.contains(&mesh.name);
-        let by_material: Vec<bool> = materials.iter().map(|m| skin.on.contains(&m.name)).collect();
-        mesh.faces.iter().map(|f| whole || by_material.get(f.material.0 as usize) == Some(&true)).collect()
-    };
-    Ok(meshes
-        .iter()
-        .enumerate()
-        .map(|(i, mesh)| Selection { mesh: i, selected: selected(mesh) })
-        .filter(|s| s.selected.contains(&true))
-        .collect())
-}
-
-/// 6 % of half the diagonal around the meshes that wear a skin: fur that is seen as fur, and no more.
-fn height_for(bounds: impl Iterator<Item = [Vec3; 2]>) -> f32 {
-    let around = bounds.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)]);
-    around.map_or(0.0, |[lo, hi]| 0.06 * 0.5 * (hi - lo).length()).max(f32::MIN_POSITIVE)
-}
-
 fn bake_fur(entry: &FurEntry, progress: &(dyn Fn(f32) + Sync)) -> Result<Texel, pelage_texel::BuildError> {
     let preset = entry.preset.fur();
     let fur = Fur {
         seed: entry.seed.unwrap_or(preset.seed),
         count: entry.count.unwrap_or(preset.count),
         length: entry.length.unwrap_or(preset.length),
+        length_variation: entry.length_variation.unwrap_or(preset.length_variation),
         root_radius: entry.root_radius.unwrap_or(preset.root_radius),
+        tip_radius: entry.tip_radius.unwrap_or(preset.tip_radius),
         lean: entry.lean.map_or(preset.lean, Vec2::from),
         curl: entry.curl.unwrap_or(preset.curl),
         clump: entry.clump.unwrap_or(preset.clump),
@@ -333,7 +203,7 @@ fn bake_fur(entry: &FurEntry, progress: &(dyn Fn(f32) + Sync)) -> Result<Texel, 
         ..preset
     };
     let options = BuildOptions { depth: entry.resolution.ilog2(), ..BuildOptions::standard() };
-    build(fur.name(), &fur.geometry()?, &options, progress)
+    build(fur.name(), &fur.geometry(), &options, progress)
 }
 
 fn light_of(entry: &LightEntry) -> Light {
@@ -358,7 +228,11 @@ fn light_of(entry: &LightEntry) -> Light {
 }
 
 /// The camera asked for; else the first of the mesh files; else one that sees everything.
-fn camera_of(file: &SceneFile, cameras: &[(String, Camera)], bounds: [Vec3; 2]) -> Result<Camera, FieldError> {
+fn camera_of(
+    file: &SceneFile,
+    cameras: &[(String, Camera)],
+    bounds: [Vec3; 2],
+) -> Result<Camera, FieldError> {
     let [width, height] = file.render.size.map(|n| n.max(1) as f32);
     let framed = |view: &staging::View| staging::camera(bounds, view, width / height);
     match (&file.camera, cameras) {
@@ -375,5 +249,90 @@ fn camera_of(file: &SceneFile, cameras: &[(String, Camera)], bounds: [Vec3; 2]) 
         }
         (None, [(_, first), ..]) => Ok(*first),
         (None, []) => Ok(framed(&staging::View::default())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_1_SQRT_2;
+
+    /// Two unit quads side by side, of two materials, in a folder of their own.
+    fn loaded(scene: &str) -> Result<Loaded, Error> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let obj = "o Sheet\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 0 -1\nv 1 0 -1\nv 0 0 -1\n\
+                   usemtl left\nf 1 2 5 6\nusemtl right\nf 2 3 4 5\n";
+        std::fs::write(folder.path().join("sheet.obj"), obj).expect("a file");
+        Loaded::new(SceneFile::parse(scene, &folder.path().join("scene.toml"))?)
+    }
+
+    const SHEET: &str = "geometry = [{ file = \"sheet.obj\" }]\n";
+
+    #[test]
+    fn names_select_faces() {
+        let boxes = |on: &str| {
+            let scene = loaded(&format!("{SHEET}[[skin]]\non = {on}\nheight = 0.1\n")).expect("a scene");
+            scene.extrude().expect("skins").iter().map(|d| d.skin.report.boxes).sum::<usize>()
+        };
+        assert_eq!(boxes("\"right\""), 1);
+        assert_eq!(boxes("[\"right\", \"left\"]"), 2);
+        assert_eq!(boxes("\"Sheet\""), 2);
+        assert_eq!(boxes("[]"), 2);
+    }
+
+    #[test]
+    fn copies_are_as_wide_as_asked_without_texture_coordinates() {
+        // Faces of 1 m, copies of 1.5 · 0.05 = 0.075 m: 13.3 of them.
+        let scene = loaded(&format!("{SHEET}[[skin]]\nheight = 0.05\n")).expect("a scene");
+        assert_eq!(scene.extrude().expect("skins")[0].skin.report.tiling, 13.0);
+        let scene = loaded(&format!("{SHEET}[[skin]]\nheight = 0.05\ntiling = 2\n")).expect("a scene");
+        assert_eq!(scene.extrude().expect("skins")[0].skin.report.tiling, 2.0);
+    }
+
+    #[test]
+    fn the_default_height_is_six_per_cent_of_half_the_diagonal() {
+        let scene = loaded(&format!("{SHEET}[[skin]]\n")).expect("a scene");
+        let skin = &scene.extrude().expect("skins")[0].skin;
+        // The sheet is 2 m × 1 m.
+        let height = skin.base[0].distance(skin.top[0]);
+        assert!((height - 0.06 * 0.5 * 5_f32.sqrt()).abs() < 1e-6, "{height}");
+    }
+
+    #[test]
+    fn equal_texels_are_built_once() {
+        let fur =
+            |seed: u32| format!("[[skin]]\ntexel.fur = {{ resolution = 4, count = 50, seed = {seed} }}\n");
+        let scene = loaded(&format!("{SHEET}{}{}{}", fur(1), fur(2), fur(1))).expect("a scene");
+        let texels = scene.bake(&|_| {}).expect("texels");
+        assert!(Arc::ptr_eq(&texels[0], &texels[2]) && !Arc::ptr_eq(&texels[0], &texels[1]));
+    }
+
+    #[test]
+    fn meshes_are_scaled_then_turned_then_moved() {
+        let scene = loaded(
+            "geometry = [{ file = \"sheet.obj\", scale = 2, rotate = [90, 0, 45], translate = [0, 0, 7] }]",
+        )
+        .expect("a scene");
+        // The corner (2, 0, −1) becomes (4, 0, −2); about x by 90°: (4, 2, 0); about z by 45°: (2, 6, 0) / √2.
+        let expected = Vec3::new(2.0 * FRAC_1_SQRT_2, 6.0 * FRAC_1_SQRT_2, 7.0);
+        let corner = scene.imported.meshes[0].positions.iter().any(|p| p.distance(expected) < 1e-5);
+        assert!(corner, "{:?}", scene.imported.meshes[0].positions);
+    }
+
+    #[test]
+    fn the_sun_shines_where_nothing_else_does() {
+        let lights = |more: &str| {
+            let prepared =
+                loaded(&format!("{SHEET}{more}")).and_then(|l| l.compile(&[], vec![])).expect("a scene");
+            (prepared.environment, prepared.display.exposure)
+        };
+        let (sky, exposure) = lights("");
+        assert_eq!(sky, staging::sky());
+        let (black, _) = lights("[[light]]\npoint = { position = [1, 9, 0], intensity = [1, 1, 1] }\n");
+        assert_eq!(black, Environment::BLACK);
+        // A white surface under a white sky of radiance 1 is shown as 1 without sun; a stop doubles that.
+        let white = "[environment]\nsky = [1, 1, 1]\nground = [1, 1, 1]\n";
+        assert!((lights(white).1 - 1.0).abs() < 1e-6);
+        assert!((lights("[render]\nexposure = 1\n").1 / exposure - 2.0).abs() < 1e-6);
     }
 }

@@ -1,0 +1,300 @@
+//! The flags of `pelage render`, and the scene that they describe.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use pelage::Error;
+use pelage::choices::{Background, Choice, FurPreset};
+use pelage::import::{Fault, Place, Up};
+use pelage::output::Tone;
+use pelage::scene_file::{CameraEntry, FurEntry, SceneFile, SkinEntry, TexelEntry};
+use pelage::skin::Folds;
+use pelage::staging::View;
+use pelage::tracer::{Lod, Opacity, Path as BoxPath, Rays};
+
+use crate::progress::Volume;
+
+const EXAMPLES: &str = "\
+Examples:
+  pelage render bunny.obj -o bunny.png
+      Long fur on everything, seen from the front, under a sun and a sky.
+  pelage render teddy.glb -o teddy.png --texel fur:plush --on Body --on Ears --tint 0.8,0.5,0.3
+      Fur on two meshes (or materials) of a file, with its own camera and lights.
+  pelage render fluff.toml -o fluff.exr --size 1920x1080 --crop 0,960,0,1080
+      A scene file, as linear radiance; only the left half.";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub struct RenderArgs {
+    /// The scene: .toml, .gltf, .glb or .obj
+    scene: PathBuf,
+
+    /// The picture: .png (8-bit sRGB) or .exr (32-bit linear radiance with alpha and depth)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+
+    /// What grows: fur, fur:short, fur:long, fur:plush or none [default: fur on a mesh file, what a .toml says]
+    #[arg(long, value_parser = texel, help_heading = "Skin")]
+    texel: Option<TexelArg>,
+
+    /// How high it grows, in metres [default: 6 % of half the diagonal of what it grows on]
+    #[arg(long, value_parser = positive, help_heading = "Skin")]
+    height: Option<f32>,
+
+    /// Only on the mesh or material of this name; may be repeated
+    #[arg(long, value_name = "NAME", help_heading = "Skin")]
+    on: Vec<String>,
+
+    /// Copies of the texel per unit of texture coordinates (per face side where there are none)
+    #[arg(long, value_parser = positive, help_heading = "Skin")]
+    tiling: Option<f32>,
+
+    /// Multiplies its colour; linear
+    #[arg(long, value_name = "R,G,B", value_parser = list::<3, f32>, help_heading = "Skin")]
+    tint: Option<[f32; 3]>,
+
+    /// Voxels a side of the texel, a power of two [default: 128]
+    #[arg(long, value_name = "N", help_heading = "Skin")]
+    resolution: Option<u32>,
+
+    /// What is done with boxes that fold over: mend, leave-out or refuse [default: mend]
+    #[arg(long, value_parser = choice::<Folds>, help_heading = "Skin")]
+    folds: Option<Folds>,
+
+    /// Width and height in pixels [default: 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
+    size: Option<[u32; 2]>,
+
+    /// Render only this part, in pixels, the ends not included
+    #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = list::<4, u32>, help_heading = "Picture")]
+    crop: Option<[u32; 4]>,
+
+    /// Rays a pixel: 1, 4 or 16 [default: 4]
+    #[arg(long, value_parser = choice::<Rays>, help_heading = "Picture")]
+    rays: Option<Rays>,
+
+    /// Through bent boxes: curved or straight [default: curved]
+    #[arg(long, value_parser = choice::<BoxPath>, help_heading = "Picture")]
+    path: Option<BoxPath>,
+
+    /// Level of detail: auto, sharp, smooth or a level from 0 to 12 [default: auto]
+    #[arg(long, value_parser = choice::<Lod>, help_heading = "Picture")]
+    lod: Option<Lod>,
+
+    /// How depth becomes opacity: exponential or linear [default: exponential]
+    #[arg(long, value_parser = choice::<Opacity>, help_heading = "Picture")]
+    opacity: Option<Opacity>,
+
+    /// Light everything as if nothing were in the way
+    #[arg(long, help_heading = "Picture")]
+    no_shadows: bool,
+
+    /// Stops added to the automatic exposure (PNG)
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, help_heading = "Picture")]
+    exposure: Option<f32>,
+
+    /// The curve of the brightest parts: filmic or none (PNG) [default: filmic]
+    #[arg(long, value_parser = choice::<Tone>, help_heading = "Picture")]
+    tone: Option<Tone>,
+
+    /// What stands behind: sky, none or #rrggbb [default: sky in PNG, none in EXR]
+    #[arg(long, value_parser = choice::<Background>, help_heading = "Picture")]
+    background: Option<Background>,
+
+    /// The camera of this name in the file [default: the first, if there is one]
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["view", "zoom"], help_heading = "Camera")]
+    camera: Option<String>,
+
+    /// Frame everything from this direction, in degrees: around from the front, above the horizon [default: 30,18]
+    #[arg(
+        long,
+        value_name = "AZIMUTH,ELEVATION",
+        value_parser = list::<2, f32>,
+        allow_hyphen_values = true,
+        help_heading = "Camera"
+    )]
+    view: Option<[f32; 2]>,
+
+    /// Frame everything, this much larger
+    #[arg(long, value_parser = positive, help_heading = "Camera")]
+    zoom: Option<f32>,
+
+    /// The vertical axis of an OBJ file: y or z [default: y]
+    #[arg(long, value_parser = choice::<Up>, help_heading = "Input")]
+    up: Option<Up>,
+
+    /// Metres in one unit of the mesh files [default: 1]
+    #[arg(long, value_parser = positive, help_heading = "Input")]
+    unit: Option<f32>,
+
+    /// Let the scene refer to files in this folder too; may be repeated
+    #[arg(long, value_name = "FOLDER", help_heading = "Input")]
+    allow_dir: Vec<PathBuf>,
+
+    /// Threads; 0 for one a core
+    #[arg(short, long, default_value_t = 0, help_heading = "Run")]
+    pub threads: usize,
+
+    /// Say only what went wrong
+    #[arg(short, long, conflicts_with = "verbose", help_heading = "Run")]
+    quiet: bool,
+
+    /// Say what was found and made
+    #[arg(short, long, help_heading = "Run")]
+    verbose: bool,
+
+    /// Tell times, counts and memory: text on stderr or json on stdout
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "text",
+        help_heading = "Run"
+    )]
+    pub stats: Option<StatsFormat>,
+}
+
+/// How `--stats` tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StatsFormat {
+    /// For people, on stderr.
+    Text,
+    /// For programs, on stdout.
+    Json,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TexelArg {
+    None,
+    Fur(FurPreset),
+}
+
+impl RenderArgs {
+    /// How much is said.
+    pub fn volume(&self) -> Volume {
+        match (self.quiet, self.verbose) {
+            (true, _) => Volume::Quiet,
+            (_, true) => Volume::Verbose,
+            _ => Volume::Normal,
+        }
+    }
+
+    /// The scene that file and flags describe together.
+    pub fn scene(&self) -> Result<SceneFile, Error> {
+        let mut scene = match extension(&self.scene).as_str() {
+            "toml" => SceneFile::open(&self.scene)?,
+            "obj" | "gltf" | "glb" => {
+                SceneFile { skin: vec![SkinEntry::default()], ..SceneFile::of_mesh(&self.scene) }
+            }
+            _ => {
+                let expected = ".toml, .gltf, .glb or .obj";
+                return Err(Fault::Extension { expected }.at(&self.scene, Place::File).into());
+            }
+        };
+        scene.allow_dirs = self.allow_dir.clone();
+        for geometry in &mut scene.geometry {
+            set(&mut geometry.up, self.up);
+            set(&mut geometry.unit, self.unit);
+        }
+        self.skins(&mut scene.skin);
+        self.camera(&mut scene.camera);
+        let render = &mut scene.render;
+        set(&mut render.size, self.size);
+        set(&mut render.rays, self.rays);
+        set(&mut render.path, self.path);
+        set(&mut render.lod, self.lod);
+        set(&mut render.opacity, self.opacity);
+        set(&mut render.exposure, self.exposure);
+        set(&mut render.tone, self.tone);
+        render.crop = self.crop.or(render.crop);
+        render.background = self.background.or(render.background);
+        render.shadows &= !self.no_shadows;
+        scene.validate()?;
+        Ok(scene)
+    }
+
+    /// `--texel` and `--on` stand in for the skins of the file; the other flags change each skin there is.
+    fn skins(&self, skins: &mut Vec<SkinEntry>) {
+        match self.texel {
+            Some(TexelArg::None) => skins.clear(),
+            Some(TexelArg::Fur(preset)) => {
+                let texel = TexelEntry::Fur(FurEntry { preset, ..FurEntry::default() });
+                *skins = vec![SkinEntry { texel, ..SkinEntry::default() }];
+            }
+            None if !self.on.is_empty() => *skins = vec![SkinEntry::default()],
+            None => {}
+        }
+        for skin in skins {
+            let TexelEntry::Fur(fur) = &mut skin.texel;
+            set(&mut fur.resolution, self.resolution);
+            set(&mut skin.tint, self.tint);
+            set(&mut skin.folds, self.folds);
+            skin.height = self.height.or(skin.height);
+            skin.tiling = self.tiling.or(skin.tiling);
+            if !self.on.is_empty() {
+                skin.on.clone_from(&self.on);
+            }
+        }
+    }
+
+    fn camera(&self, camera: &mut Option<CameraEntry>) {
+        if let Some(name) = &self.camera {
+            *camera = Some(CameraEntry::Named(name.clone()));
+        } else if self.view.is_some() || self.zoom.is_some() {
+            let mut view = match camera {
+                Some(CameraEntry::Framed(view)) => *view,
+                _ => View::default(),
+            };
+            if let Some([azimuth, elevation]) = self.view {
+                (view.azimuth, view.elevation) = (azimuth, elevation);
+            }
+            set(&mut view.zoom, self.zoom);
+            *camera = Some(CameraEntry::Framed(view));
+        }
+    }
+}
+
+fn set<T>(field: &mut T, flag: Option<T>) {
+    if let Some(value) = flag {
+        *field = value;
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+fn choice<C: Choice>(word: &str) -> Result<C, String> {
+    C::parse(word)
+}
+
+fn texel(word: &str) -> Result<TexelArg, String> {
+    match word.split_once(':') {
+        None if word == "none" => Ok(TexelArg::None),
+        None if word == "fur" => Ok(TexelArg::Fur(FurPreset::default())),
+        Some(("fur", preset)) => FurPreset::parse(preset).map(TexelArg::Fur),
+        _ => Err("expected fur, fur:short, fur:long, fur:plush or none".into()),
+    }
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("expected a positive number".into()),
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parse = |side: &str| side.parse::<u32>().ok().filter(|&n| n > 0);
+    text.split_once('x')
+        .and_then(|(width, height)| Some([parse(width)?, parse(height)?]))
+        .ok_or_else(|| "expected width x height in pixels, like 1280x720".into())
+}
+
+fn list<const N: usize, T: std::str::FromStr>(text: &str) -> Result<[T; N], String> {
+    let numbers: Option<Vec<T>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| format!("expected {N} numbers with commas between"))
+}

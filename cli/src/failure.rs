@@ -1,0 +1,58 @@
+//! Why a command failed, and the exit code that says so.
+
+use std::fmt;
+use std::process::ExitCode;
+
+use pelage::output::OutputError;
+use pelage::{Blame, Error};
+
+/// Why a command failed.
+pub enum Failure {
+    /// The library says why.
+    Library(Error),
+    /// The flags or the machine.
+    Usage(String),
+    /// What was asked for on stdout could not be written there.
+    Stdout(std::io::Error),
+    /// It was stopped; the partial picture is where the message says.
+    Interrupted(String),
+}
+
+impl Failure {
+    /// The exit code of `pelage --help`.
+    pub fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Library(error) => match error.blame() {
+                Blame::Render => 1,
+                Blame::Input => 2,
+                Blame::Output => 3,
+                Blame::Interruption => 130,
+            },
+            Self::Usage(_) => 2,
+            Self::Stdout(_) => 3,
+            Self::Interrupted(_) => 130,
+        })
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Library(error) => error.fmt(f),
+            Self::Usage(message) | Self::Interrupted(message) => f.write_str(message),
+            Self::Stdout(error) => write!(f, "stdout: {error}"),
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Library(error)
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::Library(error.into())
+    }
+}

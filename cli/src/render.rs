@@ -1,0 +1,118 @@
+//! `pelage render`: load, bake, extrude, compile, render, write.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use pelage::Error;
+use pelage::compile::{Dressed, Loaded};
+use pelage::output::{Format, check_output};
+use pelage::tracer::RenderError;
+
+use crate::args::{RenderArgs, StatsFormat};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::progress::{Stage, Volume, say};
+use crate::stats::{Stats, peak_memory};
+
+/// Renders what the arguments describe.
+pub fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let scene = args.scene()?;
+    // Asked now: after an hour of rendering is too late.
+    let format = check_output(&args.output)?;
+    interrupt::listen()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads)
+        .build()
+        .map_err(|e| Failure::Usage(format!("cannot start {} threads: {e}", args.threads)))?;
+    pool.install(|| picture(args, scene, format))
+}
+
+fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Format) -> Result<(), Failure> {
+    let volume = args.volume();
+    let mut stats = Stats::default();
+
+    let loaded = stage("load", volume, &mut stats, |_| Loaded::new(scene))?;
+    for warning in loaded.imported.warnings.iter().filter(|_| volume > Volume::Quiet) {
+        say(format_args!("warning: {warning}"));
+    }
+    stats.count("meshes", loaded.imported.meshes.len());
+    stats.count("faces", loaded.imported.meshes.iter().map(|m| m.faces.len()).sum::<usize>());
+
+    let texels = stage("bake", volume, &mut stats, |stage| loaded.bake(&|f| stage.update(f)))?;
+
+    let skins = stage("extrude", volume, &mut stats, |_| loaded.extrude())?;
+    tell_of_skins(&skins, &loaded, volume, &mut stats);
+
+    let prepared = stage("compile", volume, &mut stats, |_| loaded.compile(&texels, skins))?;
+
+    interrupt::keep_partial_result();
+    let film = stage("render", volume, &mut stats, |stage| {
+        prepared.render(&|progress| {
+            stage.update(progress.done as f32 / progress.total as f32);
+            if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
+    });
+    let (film, unfinished) = match film {
+        Ok(film) => (film, None),
+        Err(Error::Render(RenderError::Cancelled { done, total, film })) => (*film, Some((done, total))),
+        Err(error) => return Err(error.into()),
+    };
+
+    stage("write", volume, &mut stats, |_| Ok(prepared.write(&film, &args.output, format)?))?;
+
+    if let Some(bytes) = peak_memory() {
+        stats.count("peak_memory", bytes);
+    }
+    match args.stats {
+        Some(StatsFormat::Text) => say(stats.text().trim_end()),
+        Some(StatsFormat::Json) => {
+            writeln!(std::io::stdout(), "{}", stats.json()).map_err(Failure::Stdout)?;
+        }
+        None => {}
+    }
+    match unfinished {
+        None => Ok(()),
+        Some((done, total)) => {
+            let output = args.output.display();
+            Err(Failure::Interrupted(format!("interrupted: {output} holds {done} of {total} tiles")))
+        }
+    }
+}
+
+/// Runs a stage, shows its progress and notes its time.
+fn stage<T>(
+    name: &'static str,
+    volume: Volume,
+    stats: &mut Stats,
+    work: impl FnOnce(&Stage) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let stage = Stage::begin(name, volume);
+    let result = work(&stage);
+    let taken: Duration = stage.end();
+    stats.time(name, taken);
+    result
+}
+
+fn tell_of_skins(skins: &[Dressed], loaded: &Loaded, volume: Volume, stats: &mut Stats) {
+    let sum = |count: &dyn Fn(&Dressed) -> usize| skins.iter().map(count).sum::<usize>();
+    stats.count("boxes", sum(&|d| d.skin.report.boxes));
+    stats.count("prisms", sum(&|d| d.skin.report.prisms));
+    stats.count("folded_mended", sum(&|d| d.skin.report.mended()));
+    stats.count("folded_left_out", sum(&|d| d.skin.report.left_out()));
+    for dressed in skins {
+        let mesh = &loaded.imported.meshes[dressed.mesh].name;
+        let report = &dressed.skin.report;
+        if volume == Volume::Verbose {
+            let report = report.to_string().replace('\n', "; ");
+            say(format_args!("skin[{}] on `{mesh}`: {report}", dressed.entry));
+        } else if volume > Volume::Quiet && report.left_out() > 0 {
+            // A bald spot is the one thing that nobody should have to find out from the picture.
+            say(format_args!(
+                "warning: skin[{}] on `{mesh}`: {} folded boxes left out",
+                dressed.entry,
+                report.left_out()
+            ));
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! The `pelage` program from outside: exit codes, messages, files.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const TRIANGLE: &str = "o Body\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// A folder with a triangle in it.
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().expect("a temporary folder"));
+        folder.write("a.obj", TRIANGLE);
+        folder
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.path().join(name), content).expect("a file");
+    }
+
+    /// Runs `pelage` in the folder with the words of `line` as arguments.
+    fn run(&self, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_pelage"))
+            .args(line.split_whitespace())
+            .current_dir(self.path())
+            .output()
+            .expect("the program")
+    }
+
+    /// Runs a command that must fail with `code` and one line that contains `message`, and write nothing.
+    fn fails(&self, line: &str, code: i32, message: &str) {
+        let before = fs::read_dir(self.path()).expect("the folder").count();
+        let output = self.run(line);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
+        assert!(said.contains(message), "{line}: {said}\nshould say: {message}");
+        assert_eq!(said.lines().count(), 1, "{line}: {said}");
+        assert!(output.stdout.is_empty());
+        assert_eq!(fs::read_dir(self.path()).expect("the folder").count(), before, "{line}");
+    }
+}
+
+const SMALL: &str = "--size 24x16 --rays 1 --resolution 8 -t 2";
+
+#[test]
+fn a_picture_of_a_triangle() {
+    let folder = Folder::new();
+    let output = folder.run(&format!("render a.obj -o a.png -q {SMALL}"));
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let png = fs::read(folder.path().join("a.png")).expect("the picture");
+    assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
+    // Width and height in the header.
+    assert_eq!(png[16..24], [0, 0, 0, 24, 0, 0, 0, 16]);
+    // Again, over the old file, and in another format.
+    assert_eq!(
+        folder.run(&format!("render a.obj -o a.png -q {}", SMALL.replace("-t 2", "-t 1"))).status.code(),
+        Some(0)
+    );
+    assert_eq!(fs::read(folder.path().join("a.png")).expect("the picture"), png);
+    assert_eq!(folder.run(&format!("render a.obj -o a.exr -q {SMALL}")).status.code(), Some(0));
+    assert_eq!(fs::read(folder.path().join("a.exr")).expect("the picture")[..4], [0x76, 0x2f, 0x31, 0x01]);
+}
+
+#[test]
+fn stats_for_programs() {
+    let folder = Folder::new();
+    let output = folder.run(&format!("render a.obj -o a.png -q --stats=json {SMALL}"));
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8(output.stdout).expect("text");
+    assert_eq!(said.lines().count(), 1);
+    assert!(said.starts_with("{\"seconds\":{\"load\":") && said.contains("\"faces\":1"), "{said}");
+}
+
+#[test]
+fn a_scene_file() {
+    let folder = Folder::new();
+    let scene = "geometry = [{ file = \"a.obj\", rotate = [0, 90, 0] }]\n\
+                 [[skin]]\non = \"Body\"\ntexel.fur = { preset = \"short\", resolution = 8 }\nheight = 0.1\n\
+                 [camera.framed]\nazimuth = 90\n\
+                 [[light]]\npoint = { position = [0, 1, 2], intensity = [1, 1, 1] }\n\
+                 [environment]\nsky = [1, 1, 1]\nground = [0, 0, 0]\n\
+                 [render]\nsize = [16, 16]\nrays = 1\nlod = \"sharp\"\nbackground = \"#ff8000\"\n";
+    folder.write("scene.toml", scene);
+    let output = folder.run("render scene.toml -o a.png -q");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn inputs_that_are_no_scene() {
+    let folder = Folder::new();
+    folder.write("empty.obj", "v 0 0 0\n");
+    folder.write("nan.obj", "v 0 0 0\nv 1 0 nan\n");
+    folder.write("cut.glb", b"glTF\x02\0\0\0\x40\0\0\0");
+    folder.write("bad.gltf", "{\n\"asset\":\n");
+    folder.write("a.fbx", "");
+    fs::create_dir(folder.path().join("folder.obj")).expect("a folder");
+    for (scene, message) in [
+        ("missing.obj", "pelage: missing.obj: cannot be read"),
+        ("folder.obj", "folder.obj: is not a regular file"),
+        ("a.fbx", "a.fbx: has an unknown extension: expected .toml, .gltf, .glb or .obj"),
+        ("empty.obj", "empty.obj: holds no faces"),
+        ("nan.obj", "nan.obj:2: `nan` is not a usable number"),
+        ("cut.glb", "cut.glb: byte 8: the file is shorter than its header says"),
+        ("bad.gltf", "bad.gltf:3: the JSON cannot be read: EOF while parsing a value"),
+    ] {
+        folder.fails(&format!("render {scene} -o a.png"), 2, message);
+    }
+}
+
+#[test]
+fn scene_files_that_make_no_sense() {
+    let folder = Folder::new();
+    let head = "geometry = [{ file = \"a.obj\" }]\n";
+    for (text, message) in [
+        ("[[skin]]\nheigth = 1\n", "s.toml:3: unknown field `heigth`, expected one of"),
+        ("[[skin]]\nheight = 'tall'\n", "s.toml:3: invalid type: string \"tall\""),
+        ("[[skin]]\nheight = -1\n", "s.toml: skin[0].height: must be positive and finite"),
+        ("[[skin]]\nheight = nan\n", "s.toml: skin[0].height: must be positive and finite"),
+        ("[[skin]]\ntexel.fur = { preset = \"wool\" }\n", "s.toml:3: `wool`: expected short, long or plush"),
+        (
+            "[[skin]]\ntexel.fur = { resolution = 100 }\n",
+            "skin[0].texel.fur.resolution: must be a power of two",
+        ),
+        ("[[skin]]\ntexel.grass = {}\n", "s.toml:3: unknown variant `grass`"),
+        (
+            "[[skin]]\non = [\"Bdoy\"]\n",
+            "skin[0].on: there is no mesh or material `Bdoy`: did you mean `Body`?",
+        ),
+        ("[render]\nrays = 5\n", "s.toml:3: `5`: expected 1, 4 or 16"),
+        ("[render]\ncrop = [4, 4, 0, 8]\n", "render.crop: must be x0, x1, y0, y1"),
+        ("[camera]\nnamed = \"Main\"\n", "camera.named: there is no camera `Main`"),
+        (
+            "[camera.look_at]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n",
+            "camera.look_at: the eye must not be at the target",
+        ),
+        ("[[light]]\nlaser = {}\n", "s.toml:3: unknown variant `laser`"),
+        ("= 3\n", "s.toml:2: "),
+    ] {
+        folder.write("s.toml", format!("{head}{text}"));
+        folder.fails("render s.toml -o a.png -q", 2, message);
+    }
+    folder.write("s.toml", "");
+    folder.fails("render s.toml -o a.png", 2, "geometry: at least one mesh file is needed");
+    folder.write("s.toml", "geometry = [{ file = \"../a.obj\" }]");
+    folder.fails(
+        "render s.toml -o a.png",
+        2,
+        "s.toml: geometry[0].file: refers to `../a.obj`, which is outside of the scene's folder",
+    );
+    folder.write("s.toml", "geometry = [{ file = \"gone.obj\" }]");
+    folder.fails("render s.toml -o a.png", 2, "gone.obj: cannot be read");
+    folder.write("s.toml", b"geometry = \"\xff\"");
+    folder.fails("render s.toml -o a.png", 2, "s.toml: byte 12: is not UTF-8 text");
+}
+
+#[test]
+fn flags_that_make_no_sense() {
+    let folder = Folder::new();
+    folder.fails(
+        "render a.obj -o a.png -q --on bodi",
+        2,
+        "there is no mesh or material `bodi`: did you mean `Body`?",
+    );
+    folder.fails("render a.obj -o a.png -q --resolution 3", 2, "must be a power of two");
+    folder.fails("render a.obj -o a.png -q --crop 0,9,0,9 --size 8x8 --texel none", 2, "crop");
+    folder.fails("render a.obj -o a.gif", 2, "unknown picture format: expected .png or .exr");
+    // clap's own messages take a few lines.
+    for flags in [
+        "--size 0x4",
+        "--size 640",
+        "--texel wool",
+        "--rays 3",
+        "--background red",
+        "--tint 1,2",
+        "--frobnicate",
+    ] {
+        let output = folder.run(&format!("render a.obj -o a.png {flags}"));
+        assert_eq!(output.status.code(), Some(2), "{flags}");
+        assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{flags}");
+    }
+    assert_eq!(folder.run("render a.obj").status.code(), Some(2));
+    assert_eq!(folder.run("").status.code(), Some(2));
+}
+
+#[test]
+fn outputs_that_cannot_be_written() {
+    let folder = Folder::new();
+    folder.fails("render a.obj -o none/a.png", 3, "none/a.png: cannot be written");
+    fs::create_dir(folder.path().join("b.png")).expect("a folder");
+    folder.fails("render a.obj -o b.png", 3, "b.png: is a folder");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_behind_stdout() {
+    let folder = Folder::new();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("the device");
+    let output = Command::new(env!("CARGO_BIN_EXE_pelage"))
+        .args(format!("render a.obj -o a.png -q --stats=json {SMALL}").split_whitespace())
+        .current_dir(folder.path())
+        .stdout(full)
+        .output()
+        .expect("the program");
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).starts_with("pelage: stdout: "));
+}
+
+#[test]
+fn help_has_examples() {
+    let folder = Folder::new();
+    let output = folder.run("render --help");
+    assert_eq!(output.status.code(), Some(0));
+    let said = String::from_utf8(output.stdout).expect("text");
+    assert!(said.contains("Examples:") && said.contains("pelage render bunny.obj -o bunny.png"));
+    assert!(String::from_utf8(folder.run("--help").stdout).expect("text").contains("Exit codes:"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interruption_keeps_the_partial_picture() {
+    let folder = Folder::new();
+    // Millions of pixels: far more than can be done before the signal.
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pelage"))
+        .args("render a.obj -o a.png -v --size 1600x1600 --rays 16 --resolution 8 -t 1".split(' '))
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("the program");
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("stderr")));
+    // The rendering begins when the stage before it ends.
+    assert!(lines.by_ref().map_while(Result::ok).any(|line| line.starts_with("compile:")));
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let begun = std::time::Instant::now();
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(killed.success());
+    let last = lines.map_while(Result::ok).last().expect("a message");
+    assert_eq!(child.wait().expect("the program").code(), Some(130));
+    assert!(begun.elapsed() < std::time::Duration::from_secs(20));
+    assert!(last.contains("interrupted: a.png holds"), "{last}");
+    let png = fs::read(folder.path().join("a.png")).expect("the picture");
+    assert_eq!(png[16..24], [0, 0, 0x06, 0x40, 0, 0, 0x06, 0x40]);
+}

@@ -1,0 +1,112 @@
+//! Which faces wear which skin, and the raising of its boxes.
+
+use glam::Vec3;
+use pelage_geom::{Face, Mesh};
+use pelage_skin::{Skin, SkinOptions, extrude};
+
+use super::Loaded;
+use crate::error::{Error, FieldError};
+use crate::import::Imported;
+use crate::names;
+use crate::scene_file::{SceneFile, SkinEntry};
+
+/// The faces of a mesh that wear a skin.
+#[derive(Clone, Debug)]
+pub(super) struct Selection {
+    mesh: usize,
+    /// By face.
+    selected: Vec<bool>,
+}
+
+/// A skin on a mesh.
+#[derive(Clone, Debug)]
+pub struct Dressed {
+    /// Which entry of [`SceneFile::skin`] it comes from.
+    pub entry: usize,
+    /// Which mesh of [`Imported::meshes`] it stands on.
+    pub mesh: usize,
+    /// Its boxes, and the report of their making.
+    pub skin: Skin,
+}
+
+impl Loaded {
+    /// Raises the boxes of each skin on each mesh that wears it.
+    ///
+    /// # Errors
+    /// What [`extrude`] refuses.
+    pub fn extrude(&self) -> Result<Vec<Dressed>, Error> {
+        let mut skins = Vec::new();
+        for (entry, (skin, selections)) in self.file.skin.iter().zip(&self.dressed).enumerate() {
+            let bounds = selections.iter().filter_map(|s| self.imported.meshes[s.mesh].bounds());
+            let height = skin.height.unwrap_or_else(|| height_for(bounds));
+            for Selection { mesh, selected } in selections {
+                let on = &self.imported.meshes[*mesh];
+                let without_uvs = || on.uvs.is_none().then(|| copies_per_side(on, skin.aspect * height));
+                let options = SkinOptions {
+                    tiling: skin.tiling.or_else(without_uvs),
+                    aspect: skin.aspect,
+                    folds: skin.folds,
+                    ..SkinOptions::new(height)
+                };
+                let skin = extrude(on, &|face| selected[face], &options).map_err(|source| {
+                    let field = format!("{}: skin[{entry}]", self.file.path.display());
+                    Error::Skin { field, source }
+                })?;
+                skins.push(Dressed { entry, mesh: *mesh, skin });
+            }
+        }
+        Ok(skins)
+    }
+}
+
+/// The faces that a skin's names select, by mesh.
+pub(super) fn select(
+    file: &SceneFile,
+    index: usize,
+    skin: &SkinEntry,
+    imported: &Imported,
+) -> Result<Vec<Selection>, Error> {
+    let Imported { meshes, materials, .. } = imported;
+    let wears = |mesh: &Mesh, name: &str| {
+        mesh.name == name
+            || mesh.faces.iter().any(|f| materials.get(f.material.0 as usize).is_some_and(|m| m.name == name))
+    };
+    for name in &skin.on {
+        if !meshes.iter().any(|mesh| wears(mesh, name)) {
+            let known =
+                meshes.iter().map(|m| m.name.as_str()).chain(materials.iter().map(|m| m.name.as_str()));
+            let reason = names::unknown("mesh or material", name, known);
+            return Err(
+                FieldError { file: file.path.clone(), field: format!("skin[{index}].on"), reason }.into()
+            );
+        }
+    }
+    let selected = |mesh: &Mesh| -> Vec<bool> {
+        let whole = skin.on.is_empty() || skin.on.contains(&mesh.name);
+        let by_material: Vec<bool> = materials.iter().map(|m| skin.on.contains(&m.name)).collect();
+        mesh.faces.iter().map(|f| whole || by_material.get(f.material.0 as usize) == Some(&true)).collect()
+    };
+    Ok(meshes
+        .iter()
+        .enumerate()
+        .map(|(i, mesh)| Selection { mesh: i, selected: selected(mesh) })
+        .filter(|s| s.selected.contains(&true))
+        .collect())
+}
+
+/// 6 % of half the diagonal around the meshes that wear a skin: fur that is seen as fur, and no more.
+fn height_for(bounds: impl Iterator<Item = [Vec3; 2]>) -> f32 {
+    let around = bounds.reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)]);
+    around.map_or(0.0, |[lo, hi]| 0.06 * 0.5 * (hi - lo).length()).max(f32::MIN_POSITIVE)
+}
+
+/// How many copies of the texel, `width` metres wide, go along the side of a face of a mesh without texture
+/// coordinates: a whole number, by the mean of all faces. Where there is a triangle, every n-gon becomes n quads.
+fn copies_per_side(mesh: &Mesh, width: f32) -> f32 {
+    let quads: usize = if mesh.faces.iter().all(Face::is_quad) {
+        mesh.faces.len()
+    } else {
+        mesh.faces.iter().map(|face| face.corners().len()).sum()
+    };
+    ((mesh.area() / quads as f32).sqrt() / width).round().max(1.0)
+}

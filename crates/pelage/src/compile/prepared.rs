@@ -1,0 +1,66 @@
+//! A scene that can be rendered, and what becomes of its film.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use glam::Vec3;
+use pelage_tracer::{Camera, Environment, Film, Progress, Scene, Settings, render};
+
+use crate::choices::Background;
+use crate::compose::{Backdrop, over};
+use crate::error::Error;
+use crate::import::srgb_to_linear;
+use crate::output::{Display, ExrOptions, Format, OutputError, write_exr, write_png};
+
+/// A scene that can be rendered.
+pub struct Prepared {
+    /// What is seen.
+    pub scene: Scene,
+    /// From where.
+    pub camera: Camera,
+    /// How.
+    pub settings: Settings,
+    /// How radiance is shown.
+    pub display: Display,
+    /// The light of the surroundings, which may be the background too.
+    pub environment: Environment,
+    /// What was asked to stand behind; `None` leaves it to the format.
+    pub background: Option<Background>,
+}
+
+impl Prepared {
+    /// Renders the film; [`render`] with what was described.
+    ///
+    /// # Errors
+    /// Settings out of their domain; a stop, with the partial film.
+    pub fn render(&self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<Film, Error> {
+        Ok(render(&self.scene, &self.camera, &self.settings, progress)?)
+    }
+
+    /// Writes the film, its background behind it: a PNG as a screen shows it, an EXR as linear radiance.
+    ///
+    /// # Errors
+    /// [`OutputError`]; a file of that name is then what it was before.
+    pub fn write(&self, film: &Film, path: &Path, format: Format) -> Result<(), OutputError> {
+        let film = over(film, &self.camera, &self.backdrop(format));
+        match format {
+            Format::Png => write_png(&film, path, &self.display),
+            Format::Exr => write_exr(&film, path, &ExrOptions { camera: Some(self.camera) }),
+        }
+    }
+
+    fn backdrop(&self, format: Format) -> Backdrop {
+        match (self.background, format) {
+            (Some(Background::Sky), _) | (None, Format::Png) => Backdrop::Sky(self.environment),
+            (Some(Background::None), _) | (None, Format::Exr) => Backdrop::Transparent,
+            (Some(Background::Color(srgb)), format) => {
+                let linear = Vec3::from(srgb.map(|x| srgb_to_linear(f32::from(x) / 255.0)));
+                Backdrop::Color(match format {
+                    // So that the screen shows just this colour, whatever the exposure.
+                    Format::Png => self.display.radiance_of(linear),
+                    Format::Exr => linear,
+                })
+            }
+        }
+    }
+}

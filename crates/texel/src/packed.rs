@@ -1,0 +1,186 @@
+//! A voxel in 32 bytes, two to a cache line: the walk waits for memory, not for arithmetic.
+//!
+//! ```text
+//! byte  0  sigma     6 × i16   xx yy zz xy xz yz, times 2^(exponent − 127)
+//!      12  normal    2 × i16   octahedral, 1/32767
+//!      16  slab      2 × u16   −√3 to √3, rounded outwards
+//!      20  lo, hi    6 × u8    1/255, rounded outwards
+//!      26  albedo    3 × u8    square roots, 1/255
+//!      29  exponent  u8        of sigma, biased as in an f32
+//!      30  kappa     u8        3/255
+//!      31  openness  u8        1/255
+//! ```
+//!
+//! The region is snapped to what can be stored before opacity is measured in it (see [`Region`]), so rounding
+//! it costs no bias.
+//!
+//! [`Region`]: crate::region::Region
+
+use glam::{Vec2, Vec3};
+use pelage_geom::Symmetric3;
+
+use crate::Voxel;
+
+/// The bytes of a voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(32))]
+pub(crate) struct Packed {
+    sigma: [i16; 6],
+    normal: [i16; 2],
+    slab: [u16; 2],
+    lo: [u8; 3],
+    hi: [u8; 3],
+    albedo: [u8; 3],
+    exponent: u8,
+    kappa: u8,
+    openness: u8,
+}
+
+const SQRT_3: f32 = 1.732_050_8;
+/// Steps of a slab's distance per voxel edge.
+const SLAB_STEPS: f32 = 65535.0 / (2.0 * SQRT_3);
+
+impl Packed {
+    pub(crate) fn new(voxel: &Voxel) -> Self {
+        let Symmetric3 { xx, yy, zz, xy, xz, yz } = voxel.sigma;
+        let entries = [xx, yy, zz, xy, xz, yz];
+        let largest = entries.iter().fold(1e-30_f32, |largest, e| largest.max(e.abs()));
+        // The smallest power of two that brings the largest entry under 2¹⁵.
+        let exponent = ((largest / 32767.0).log2().ceil() + 127.0).clamp(1.0, 254.0) as u8;
+        let unit = |v: Vec3| v.to_array().map(|c| (255.0 * c).round() as u8);
+        Self {
+            sigma: entries.map(|e| (e / power(exponent)).round() as i16),
+            normal: octahedral(voxel.slab_normal),
+            slab: voxel.slab.map(|s| ((s + SQRT_3) * SLAB_STEPS).round() as u16),
+            lo: unit(voxel.lo),
+            hi: unit(voxel.hi),
+            albedo: unit(voxel.albedo.map(f32::sqrt)),
+            exponent,
+            kappa: (85.0 * voxel.kappa).round() as u8,
+            openness: (255.0 * voxel.openness).round() as u8,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn unpack(&self) -> Voxel {
+        let scale = power(self.exponent);
+        let [xx, yy, zz, xy, xz, yz] = self.sigma.map(|e| f32::from(e) * scale);
+        let unit = |v: [u8; 3]| Vec3::from_array(v.map(f32::from)) * (1.0 / 255.0);
+        let root = unit(self.albedo);
+        Voxel {
+            sigma: Symmetric3 { xx, yy, zz, xy, xz, yz },
+            lo: unit(self.lo),
+            hi: unit(self.hi),
+            slab_normal: normal(self.normal),
+            slab: self.slab.map(|s| f32::from(s) * (1.0 / SLAB_STEPS) - SQRT_3),
+            albedo: root * root,
+            kappa: f32::from(self.kappa) * (1.0 / 85.0),
+            openness: f32::from(self.openness) * (1.0 / 255.0),
+        }
+    }
+
+    pub(crate) fn set_openness(&mut self, openness: f32) {
+        self.openness = (255.0 * openness).round() as u8;
+    }
+}
+
+/// 2^(exponent − 127), for exponents 1 to 254.
+#[inline]
+fn power(exponent: u8) -> f32 {
+    f32::from_bits(u32::from(exponent) << 23)
+}
+
+/// The unit vector's point on the octahedron, unfolded into a square [Cigolle14].
+fn octahedral(n: Vec3) -> [i16; 2] {
+    let p = n / n.abs().element_sum();
+    let p = if p.z < 0.0 { fold(p.truncate()) } else { p.truncate() };
+    p.to_array().map(|c| (32767.0 * c).round() as i16)
+}
+
+#[inline]
+fn normal(square: [i16; 2]) -> Vec3 {
+    let p = Vec2::from_array(square.map(f32::from)) * (1.0 / 32767.0);
+    let z = 1.0 - p.x.abs() - p.y.abs();
+    let p = if z < 0.0 { fold(p) } else { p };
+    p.extend(z).normalize()
+}
+
+/// Swaps the octahedron's upper half with the corners of the square.
+#[inline]
+fn fold(p: Vec2) -> Vec2 {
+    Vec2::new((1.0 - p.y.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.y))
+}
+
+/// The nearest direction that can be stored.
+pub(crate) fn snapped_normal(n: Vec3) -> Vec3 {
+    normal(octahedral(n))
+}
+
+/// The smallest box that can be stored around a box in `[0, 1]³`.
+pub(crate) fn snapped_box(lo: Vec3, hi: Vec3) -> [Vec3; 2] {
+    // A thousandth of a step, so that what is snapped already stays.
+    [
+        ((255.0 * lo + 1e-3).floor() / 255.0).max(Vec3::ZERO),
+        ((255.0 * hi - 1e-3).ceil() / 255.0).min(Vec3::ONE),
+    ]
+}
+
+/// The thinnest slab that can be stored around a slab.
+pub(crate) fn snapped_slab([low, high]: [f32; 2]) -> [f32; 2] {
+    let [low, high] = [low, high].map(|s| (s + SQRT_3) * SLAB_STEPS);
+    [low.floor(), high.ceil()].map(|s| s.clamp(0.0, 65535.0) / SLAB_STEPS - SQRT_3)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn a_voxel_takes_32_bytes() {
+        assert_eq!(size_of::<Packed>(), 32);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_packed_returns(
+            scale in -20.0_f32..20.0,
+            rows in prop::array::uniform3(prop::array::uniform3(-1.0_f32..1.0)),
+            n in prop::array::uniform3(-1.0_f32..1.0),
+            low in prop::array::uniform3(0.0_f32..0.5),
+            size in prop::array::uniform3(0.02_f32..0.5),
+            numbers in prop::array::uniform3(0.0_f32..1.0),
+        ) {
+            let n = Vec3::from_array(n);
+            prop_assume!(n.length() > 0.1);
+            let [lo, hi] = snapped_box(Vec3::from_array(low), Vec3::from_array(low) + Vec3::from_array(size));
+            let sigma = rows.map(|r| Symmetric3::outer(Vec3::from_array(r))).into_iter().sum::<Symmetric3>();
+            let voxel = Voxel {
+                sigma: sigma * scale.exp2(),
+                lo,
+                hi,
+                slab_normal: snapped_normal(n.normalize()),
+                slab: snapped_slab([-0.3, -0.3 + numbers[0]]),
+                albedo: Vec3::from_array(numbers),
+                kappa: 3.0 * numbers[1],
+                openness: numbers[2],
+            };
+            prop_assert!((voxel.slab_normal - n.normalize()).length() < 1e-4);
+            prop_assert!(lo.cmple(Vec3::from_array(low) + 1e-5).all());
+            let back = Packed::new(&voxel).unpack();
+            // Half a step of 2⁻¹⁴ of the largest entry.
+            let largest = voxel.sigma.trace();
+            let difference = (back.sigma - voxel.sigma).to_mat3();
+            prop_assert!(difference.abs_diff_eq(glam::Mat3::ZERO, largest / 30000.0));
+            prop_assert!((back.lo - lo).length() < 1e-6 && (back.hi - hi).length() < 1e-6);
+            prop_assert!((back.slab_normal - voxel.slab_normal).length() < 1e-6);
+            prop_assert!((back.slab[0] - voxel.slab[0]).abs() < 1e-6 && (back.slab[1] - voxel.slab[1]).abs() < 1e-6);
+            // Half a step of a square root: at most 1/255 of the whole.
+            prop_assert!((back.albedo - voxel.albedo).abs().max_element() < 1.0 / 250.0);
+            prop_assert!((back.kappa - voxel.kappa).abs() < 0.006 && (back.openness - voxel.openness).abs() < 0.002);
+            // Packing again changes nothing.
+            prop_assert_eq!(Packed::new(&back), Packed::new(&voxel));
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! What a build accepts, what it refuses, and that it always gives the same bits.
+
+use glam::{IVec3, Vec2, Vec3};
+use pelage_texel::{BuildError, BuildOptions, Fur, Geometry, Procedure, Texel, build};
+
+fn options(depth: u32) -> BuildOptions {
+    BuildOptions { depth, ..BuildOptions::preview() }
+}
+
+fn fur(count: u32) -> Fur {
+    Fur { count, root_radius: 0.01, tip_radius: 0.003, segments: 3, ..Fur::long() }
+}
+
+fn built(geometry: &Geometry, depth: u32) -> Texel {
+    let texel = build("test", geometry, &options(depth), &|_| ()).unwrap();
+    assert_eq!(texel.validate(), Ok(()));
+    texel
+}
+
+/// Mean transmittance of a level along a direction, from a grid of starts over the tile's top (or side).
+fn transmittance(texel: &Texel, level: u32, d: Vec3) -> f32 {
+    let level = texel.level(level);
+    let scale = level.resolution() as f32;
+    let mut sum = 0.0;
+    const SIDE: u32 = 48;
+    for i in 0..SIDE * SIDE {
+        let start = Vec2::new((i % SIDE) as f32 + 0.37, (i / SIDE) as f32 + 0.71) / SIDE as f32;
+        let from = start.extend(1.0) * scale;
+        let d = d * scale;
+        let mut depth = 0.0;
+        for step in level.walk(from, from + d) {
+            let voxel = level.voxel(step.voxel);
+            let corner = step.cell.as_vec3();
+            if let Some([enter, leave]) = voxel.clip(from - corner, d, [step.enter, step.leave]) {
+                depth += voxel.depth_per_step(d) * (leave - enter);
+            }
+        }
+        sum += (-depth).exp();
+    }
+    sum / (SIDE * SIDE) as f32
+}
+
+#[test]
+fn nothing_gives_an_empty_texel() {
+    for geometry in [
+        Geometry::default(),
+        // Outside in w; without area.
+        one([Vec3::new(0.1, 0.1, 1.5), Vec3::new(0.4, 0.1, 1.5), Vec3::new(0.1, 0.4, 2.0)]),
+        one([Vec3::splat(0.5); 3]),
+        one([Vec3::splat(0.1), Vec3::splat(0.2), Vec3::splat(0.3)]),
+    ] {
+        let texel = built(&geometry, 3);
+        assert_eq!(texel.depth(), 3);
+        for level in texel.levels() {
+            assert!(level.is_empty());
+            assert_eq!(level.find(IVec3::ZERO), None);
+            assert_eq!(level.walk(Vec3::new(-9.0, 3.0, 9.0), Vec3::new(9.0, 0.5, -1.0)).count(), 0);
+        }
+    }
+}
+
+fn one(triangle: [Vec3; 3]) -> Geometry {
+    Geometry { triangles: vec![triangle], colors: vec![Vec3::splat(0.5)], ..Geometry::default() }
+}
+
+#[test]
+fn what_cannot_be_built_is_named() {
+    let refuse =
+        |geometry: &Geometry, options: &BuildOptions| build("", geometry, options, &|_| ()).unwrap_err();
+    let sound = fur(5).geometry();
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut geometry = sound.clone();
+        geometry.triangles[17][2].y = bad;
+        assert_eq!(refuse(&geometry, &options(3)), BuildError::NonFinite { triangle: 17, corner: 2 });
+    }
+    let mut geometry = sound.clone();
+    geometry.triangles[3][0].x = 1e20;
+    assert_eq!(
+        refuse(&geometry, &options(3)),
+        BuildError::OutOfReach { triangle: 3, reach: Geometry::REACH }
+    );
+    let mut geometry = sound.clone();
+    geometry.colors[4].x = f32::NAN;
+    assert_eq!(refuse(&geometry, &options(3)), BuildError::Color { triangle: 4 });
+    geometry.colors.pop();
+    assert!(matches!(refuse(&geometry, &options(3)), BuildError::ColorCount { .. }));
+    for depth in [0, 10, u32::MAX] {
+        assert!(matches!(refuse(&sound, &options(depth)), BuildError::Parameter { field: "depth", .. }));
+    }
+    let geometry = Geometry { roughness: f32::NAN, ..sound };
+    assert!(matches!(refuse(&geometry, &options(3)), BuildError::Parameter { field: "roughness", .. }));
+}
+
+#[test]
+fn a_sheet_between_two_cells_stands_in_one_of_them() {
+    // At w = ½ all levels but the coarsest have a wall: the upper cells hold it. At w = 1, the topmost.
+    for (height, upper) in [(0.5, true), (1.0, false)] {
+        let corner = |s: f32, t: f32| Vec3::new(s, t, height);
+        let mut geometry = Geometry::default();
+        let quad = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+        geometry.push_quad(quad, Vec3::splat(0.5));
+        let texel = built(&geometry, 4);
+        for (l, level) in texel.levels().iter().enumerate() {
+            let size = 1 << l;
+            assert_eq!(level.len(), size * size);
+            let z = if upper { size / 2 } else { size - 1 };
+            assert!(level.cells().all(|cell| cell[2] as usize == z));
+        }
+    }
+}
+
+#[test]
+fn duplicates_change_nothing_but_the_lists() {
+    let once = fur(20).geometry();
+    let mut twice = once.clone();
+    twice.triangles.extend_from_slice(&once.triangles);
+    twice.colors.extend_from_slice(&once.colors);
+    let [a, b] = [&once, &twice].map(|geometry| built(geometry, 4));
+    for (a, b) in a.levels().iter().zip(b.levels()) {
+        assert!(a.cells().eq(b.cells()));
+        for i in 0..a.len() as u32 {
+            let difference = a.voxel(i).sigma - b.voxel(i).sigma;
+            // Twice the areas in the region's normal: a different rounding, and no more.
+            assert!(difference.trace().abs() <= 0.02 * (1.0 + a.voxel(i).sigma.trace()), "{i}");
+        }
+    }
+}
+
+#[test]
+fn content_wraps() {
+    // Shifted content covers as before: what leaves the tile on one side enters it on the other.
+    let geometry = fur(300).geometry();
+    let mut shifted = geometry.clone();
+    for corner in shifted.triangles.iter_mut().flatten() {
+        *corner += Vec3::new(0.37, 0.61, 0.0);
+    }
+    let [a, b] = [&geometry, &shifted].map(|geometry| built(geometry, 5));
+    for d in [Vec3::new(0.0, 0.0, -1.0), Vec3::new(0.7, 0.2, -1.0), Vec3::new(-2.0, 1.0, -1.0)] {
+        for level in 0..=5 {
+            let [a, b] = [&a, &b].map(|texel| transmittance(texel, level, d));
+            // Level 0 is one voxel, cut out of the content elsewhere: it sees other gaps from its sides.
+            let tolerance = if level == 0 { 0.06 } else { 0.015 };
+            assert!((a - b).abs() < tolerance, "level {level}, {d}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let geometry = fur(60).geometry();
+    let texels = [1, 2, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| built(&geometry, 5))
+    });
+    assert_eq!(texels[0], texels[1]);
+    assert_eq!(texels[0], texels[2]);
+}
+
+#[test]
+fn progress_ends_at_one() {
+    let last = std::sync::Mutex::new(0.0_f32);
+    let report = |done: f32| {
+        let mut last = last.lock().unwrap();
+        *last = last.max(done);
+    };
+    build("test", &fur(10).geometry(), &options(3), &report).unwrap();
+    assert_eq!(*last.lock().unwrap(), 1.0);
+}
+
+#[test]
+fn fur_stays_in_its_texel_and_hides_the_skin() {
+    for fur in [Fur::long(), Fur::short(), Fur::plush()] {
+        let geometry = fur.geometry();
+        assert_eq!(geometry.validate(), Ok(()));
+        assert!(geometry.triangles.iter().flatten().all(|p| p.z < 1.0 && p.z > -0.02));
+    }
+    let texel = built(&Fur::long().geometry(), 5);
+    let down = transmittance(&texel, 5, Vec3::new(0.0, 0.0, -1.0));
+    assert!(down < 0.03, "{down}");
+}
+
+#[test]
+fn the_top_is_open_and_the_roots_are_not() {
+    let texel = built(&Fur { count: 800, ..Fur::plush() }.geometry(), 5);
+    let level = texel.level(5);
+    let mean = |low: u32, high: u32| {
+        let cells = level.cells().enumerate().filter(|(_, cell)| (low..high).contains(&cell[2]));
+        let open: Vec<f32> = cells.map(|(i, _)| level.voxel(i as u32).openness).collect();
+        open.iter().sum::<f32>() / open.len() as f32
+    };
+    let highest = level.cells().map(|cell| cell[2]).max().unwrap();
+    assert!(mean(highest, highest + 1) > 0.9);
+    assert!(mean(0, 2) < 0.3);
+}
