@@ -49,57 +49,58 @@ pub struct Fur {
 }
 
 impl Fur {
-    /// Long, combed, slightly wavy.
+    /// Long, soft, in loose locks. Upright: the skin's own vectors comb it.
     pub fn long() -> Self {
         Self {
             seed: 1,
-            count: 3200,
-            length: 0.95,
+            count: 1100,
+            length: 0.92,
             length_variation: 0.25,
-            root_radius: 0.0042,
-            tip_radius: 0.001,
-            lean: Vec2::new(0.45, 0.1),
-            curl: 0.22,
-            clump: 0.45,
-            undercoat: 0.4,
-            root_color: Vec3::new(0.58, 0.55, 0.52),
-            tip_color: Vec3::new(0.93, 0.92, 0.9),
-            color_variation: 0.18,
-            specular: 0.12,
-            roughness: 0.35,
+            root_radius: 0.008,
+            tip_radius: 0.002,
+            lean: Vec2::ZERO,
+            curl: 0.25,
+            clump: 0.8,
+            undercoat: 0.45,
+            root_color: Vec3::new(0.6, 0.58, 0.56),
+            tip_color: Vec3::new(0.97, 0.96, 0.95),
+            color_variation: 0.2,
+            specular: 0.08,
+            roughness: 0.4,
             segments: 7,
             sides: 3,
         }
     }
 
-    /// Short and smooth, lying flat.
+    /// Short and smooth, hardly curled.
     pub fn short() -> Self {
         Self {
-            length: 0.75,
-            count: 4200,
-            length_variation: 0.2,
-            lean: Vec2::new(0.9, 0.0),
+            count: 1500,
+            length: 0.8,
+            length_variation: 0.15,
+            root_radius: 0.01,
             curl: 0.12,
-            clump: 0.25,
+            clump: 0.35,
             undercoat: 0.35,
             segments: 5,
             ..Self::long()
         }
     }
 
-    /// Upright, dense and even, like velvet or a soft toy.
+    /// Dense, even and matt, like velvet or a soft toy.
     pub fn plush() -> Self {
         Self {
-            length: 0.8,
-            count: 5000,
+            count: 1600,
+            length: 0.75,
             length_variation: 0.12,
-            lean: Vec2::new(0.12, 0.05),
-            curl: 0.4,
-            clump: 0.15,
+            root_radius: 0.009,
+            tip_radius: 0.006,
+            curl: 0.45,
+            clump: 0.2,
             undercoat: 0.5,
-            root_color: Vec3::new(0.62, 0.6, 0.58),
-            specular: 0.06,
-            roughness: 0.5,
+            root_color: Vec3::new(0.66, 0.65, 0.64),
+            specular: 0.03,
+            roughness: 0.6,
             segments: 5,
             ..Self::long()
         }
