@@ -240,7 +240,9 @@ fn caps_are_named() {
         limited("a.glb", Limits { image_pixels: 255, ..all }).contains("images[0]: pixels of the image: 256")
     );
     assert!(limited("a.glb", Limits { nodes: 5, ..all }).contains("nodes: nodes: 6 is over the limit of 5"));
-    assert!(limited("a.glb", Limits { faces: 9, ..all }).contains("faces"));
+    assert!(limited("a.glb", Limits { faces: 9, ..all }).contains("faces: 10 is over the limit of 9"));
+    // The floor has 4 · 3 + 4 · 2 + 6 numbers, the wedge 4 · 3 + 12, twice.
+    assert!(limited("a.glb", Limits { numbers: 73, ..all }).contains("numbers in accessors: 74"));
 }
 
 #[test]
@@ -367,7 +369,7 @@ fn gltf_errors_name_the_field() {
         ),
         (
             with(r#""count":3,"type":"VEC3""#, r#""count":9000000000000000000,"type":"VEC3""#),
-            "elements of the accessor: 9000000000000000000 is over the limit",
+            "accessors[0]: numbers in accessors: 18446744073709551615 is over the limit",
         ),
         (
             with(

@@ -316,7 +316,7 @@ impl Creature {
         for side in [-1.0, 1.0] {
             let at = on(side * self.apart, self.up, 0.85 * self.height - 0.35 * eye)
                 + eye * vec3(-0.35, 0.5, 0.76).normalize() * 0.86;
-            obj.lathe(&ball(8, 6), &Placement { scale: Vec3::splat(0.25 * eye), turn, at }, false);
+            obj.lathe(&ball(12, 8), &Placement { scale: Vec3::splat(0.25 * eye), turn, at }, false);
         }
         obj.begin(&format!("{}Beak", self.name), "Beak");
         let beak = Placement {
@@ -331,7 +331,7 @@ impl Creature {
             let foot = Placement {
                 scale: self.radius * vec3(0.2, 0.11, 0.3),
                 turn: turn * Mat3::from_rotation_y(side * 0.25),
-                at: self.at + turn * forward + Vec3::Y * (0.05 + 0.07 * self.radius),
+                at: self.at + turn * forward + Vec3::Y * (0.045 + 0.11 * self.radius),
             };
             obj.lathe(&ball(12, 8), &foot, false);
         }

@@ -62,9 +62,9 @@ pub fn sun() -> Light {
     }
 }
 
-/// A pale blue sky over brown ground.
+/// A pale blue sky over brown ground, bright enough to show fur in its own shadow.
 pub fn sky() -> Environment {
-    Environment { sky: vec3(0.35, 0.45, 0.6), ground: vec3(0.15, 0.13, 0.1) }
+    Environment { sky: vec3(0.6, 0.75, 0.95), ground: vec3(0.35, 0.3, 0.24) }
 }
 
 /// The exposure at which a matt white surface at `centre`, turned to each light in turn and to the sky, is shown as 1.

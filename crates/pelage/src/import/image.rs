@@ -15,7 +15,8 @@ use super::{Fault, Files};
 #[derive(Default)]
 pub(crate) struct Textures {
     pub(crate) list: Vec<Texture>,
-    by_path: HashMap<PathBuf, TextureId>,
+    /// What is wrong is kept too, so that it is not found out again for each material.
+    by_path: HashMap<PathBuf, Result<TextureId, String>>,
     pixels: u64,
 }
 
@@ -23,12 +24,12 @@ impl Textures {
     /// The texture in the file that `reference` leads to.
     pub(crate) fn open(&mut self, reference: &str, files: &Files) -> Result<TextureId, Fault> {
         let path = files.resolve(reference)?;
-        if let Some(&id) = self.by_path.get(&path) {
-            return Ok(id);
+        if let Some(known) = self.by_path.get(&path) {
+            return known.clone().map_err(Fault::Syntax);
         }
-        let id = self.decode(&files.read(&path)?, files)?;
-        self.by_path.insert(path, id);
-        Ok(id)
+        let decoded = files.read(&path).and_then(|bytes| self.decode(&bytes, files));
+        self.by_path.insert(path, decoded.as_ref().map(|&id| id).map_err(ToString::to_string));
+        decoded
     }
 
     /// The texture in an image file's bytes.

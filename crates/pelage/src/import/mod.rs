@@ -1,4 +1,4 @@
-//! Meshes, materials, textures, cameras and lights from files. [glTF] [OBJ]
+//! Meshes, materials, textures, cameras and lights from files. \[glTF\] \[OBJ\]
 //!
 //! Files come from strangers: every number is checked before it is used, every reference stays under the folder
 //! of the file that makes it, and every cap is named in the error that it causes.
@@ -46,10 +46,12 @@ pub struct Limits {
     pub depth: u64,
     /// Faces of all meshes together, instances counted each.
     pub faces: u64,
+    /// Numbers read from the accessors of a glTF file, each time that they are read.
+    pub numbers: u64,
 }
 
 impl Default for Limits {
-    /// 1 GiB a file, 64 Mpx an image and 256 Mpx together, 10⁶ nodes 1024 deep, 8·10⁶ faces.
+    /// 1 GiB a file, 64 Mpx an image and 256 Mpx together, 10⁶ nodes 1024 deep, 8·10⁶ faces, 2²⁷ numbers.
     fn default() -> Self {
         Self {
             file_bytes: 1 << 30,
@@ -58,6 +60,7 @@ impl Default for Limits {
             nodes: 1_000_000,
             depth: 1024,
             faces: 8_000_000,
+            numbers: 1 << 27,
         }
     }
 }

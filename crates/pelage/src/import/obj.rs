@@ -6,8 +6,8 @@
 //! An `o` begins a mesh; a `g` does so only in a file without any `o`, because groups often cut one surface into
 //! parts, and a skin must not be cut there. Quads stay quads; larger polygons become fans, with a warning.
 
-use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
 use pelage_geom::{Material, MaterialId, Mesh};
@@ -51,6 +51,7 @@ struct Reader<'a> {
     normals: Vec<Vec3>,
     mesh: Welder,
     meshes: Vec<Mesh>,
+    libraries: HashSet<PathBuf>,
     entries: Vec<mtl::Entry>,
     by_name: HashMap<String, MaterialId>,
     material: Option<MaterialId>,
@@ -90,6 +91,7 @@ impl<'a> Reader<'a> {
             normals: Vec::new(),
             mesh: Welder::default(),
             meshes: Vec::new(),
+            libraries: HashSet::new(),
             entries: Vec::new(),
             by_name: HashMap::new(),
             material: None,
@@ -247,9 +249,13 @@ impl<'a> Reader<'a> {
             whole => vec![(names, whole)],
         };
         for (name, path) in paths {
+            // Once each, however often the file names it.
+            if path.as_ref().is_ok_and(|p| !self.libraries.insert(p.clone())) {
+                continue;
+            }
             let read = path.and_then(|p| {
                 mtl::read(&p, self.files, &mut self.textures, &mut self.warnings).map_err(|e| match e {
-                    // A missing library costs colours; a broken one is the reader's to mend.
+                    // A missing library costs colours; a broken one is for its author to mend.
                     ImportError {
                         place: Place::File,
                         fault: fault @ (Fault::Io(_) | Fault::NotRegular),

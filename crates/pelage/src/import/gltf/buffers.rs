@@ -1,5 +1,6 @@
 //! The bytes of a glTF file: container, buffers, views and accessors, every offset checked.
 
+use std::cell::Cell;
 use std::path::Path;
 
 use gltf::json;
@@ -15,6 +16,8 @@ pub(super) struct Document<'a> {
     pub(super) files: &'a Files,
     pub(super) root: json::Root,
     buffers: Vec<Vec<u8>>,
+    /// How many numbers were read from accessors so far.
+    numbers: Cell<u64>,
 }
 
 impl<'a> Document<'a> {
@@ -54,7 +57,7 @@ impl<'a> Document<'a> {
             }
             buffers.push(bytes);
         }
-        Ok(Self { path, files, root, buffers })
+        Ok(Self { path, files, root, buffers, numbers: Cell::new(0) })
     }
 
     /// An error in a field of the JSON.
@@ -138,14 +141,14 @@ impl<'a> Document<'a> {
                 components(shape)
             ))));
         }
-        let limit = 4 * self.files.limits.faces;
-        if accessor.count.0 > limit {
-            return Err(at(Fault::Limit {
-                what: "elements of the accessor",
-                found: accessor.count.0,
-                limit,
-            }));
+        // Counted over all accessors, and before anything is allocated: one without a buffer view may claim any
+        // number of zeros, and any number of primitives may name it.
+        let limit = self.files.limits.numbers;
+        let found = self.numbers.get().saturating_add(accessor.count.0.saturating_mul(N as u64));
+        if found > limit {
+            return Err(at(Fault::Limit { what: "numbers in accessors", found, limit }));
         }
+        self.numbers.set(found);
         let count = accessor.count.0 as usize;
         let size = N * bytes_of(component);
         let mut elements = match accessor.buffer_view {
