@@ -62,7 +62,6 @@ ground = [0.35, 0.3, 0.24]
 
 [render]
 size = [1280, 800]
-exposure = 0.6
 background = "#d3e4ee"
 "##;
 

@@ -11,7 +11,7 @@
 //! The region decides the picture more than anything else: a voxel is not a cube of fog.
 
 use glam::Vec3;
-use pelage_geom::Symmetric3;
+use pelage_geom::{Ellipsoid, Symmetric3};
 
 /// A voxel, in its own frame: `[0, 1]³` spans its cell, axes are the texel's (s, t, w).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +87,24 @@ impl Voxel {
         ];
         checks.into_iter().find(|(_, sound)| !sound).map(|(field, _)| field)
     }
+
+    /// The distribution of its normals, up to a factor.
+    ///
+    /// Σ is one where matter fills a volume. Of a thin slab it says how much is covered, measured along few
+    /// directions, while the slab's own normal says exactly how the matter lies.
+    pub fn normals(&self) -> Ellipsoid {
+        let [thin, thick] = Self::THIN;
+        let volume = ((self.slab[1] - self.slab[0] - thin) / (thick - thin)).clamp(0.0, 1.0);
+        if volume == 1.0 {
+            return Ellipsoid(self.sigma);
+        }
+        let trace = self.sigma.trace().max(f32::MIN_POSITIVE);
+        let flake = Ellipsoid::flake(self.slab_normal).0;
+        Ellipsoid(flake * (1.0 - volume) + self.sigma * (volume / trace))
+    }
+
+    /// Slabs up to the first thickness (voxel edges) have the normals of a flake, from the second on those of Σ.
+    const THIN: [f32; 2] = [0.08, 0.25];
 
     /// Optical depth of a step `d` (voxel edges) inside the region.
     #[inline]

@@ -40,7 +40,7 @@ impl Shader {
 
         let albedo = voxel.albedo * coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
         let normals =
-            Normals::of(&Ellipsoid(voxel.sigma), inverse * view, &inverse.transpose(), settings.normals);
+            Normals::of(&voxel.normals(), inverse * view, &inverse.transpose(), settings.normals);
         let open = if settings.shadows { voxel.openness } else { 1.0 };
         let ambient = open * albedo * normals.mean(|n| scene.environment.mean_radiance(n));
 
@@ -115,8 +115,16 @@ impl Shader {
         };
         let mut open = 1.0;
         if settings.shadows && scene.reach > 0.0 {
-            // One wide cone up through the coat that stands here stands for the whole sky.
-            open = self.shadows.through_coats(scene, settings, &shadow(flat, scene.reach, 1.0));
+            // Wide cones through the coats around stand for the sky; under a coat that nearly hides it, one does.
+            let across = flat.any_orthonormal_vector();
+            let around = [across, -across, flat.cross(across), -flat.cross(across)];
+            let tilted = around.map(|side| (flat + side).normalize());
+            let count = if seen.weight > SEEN_WELL { 5 } else { 1 };
+            let cones = std::iter::once(flat).chain(tilted).take(count);
+            let through: f32 = cones
+                .map(|up| self.shadows.through_coats(scene, settings, &shadow(up, scene.reach, 0.8)))
+                .sum();
+            open = through / count as f32;
         }
         let mut radiance = material.emissive + open * albedo * scene.environment.mean_radiance(normal);
         for light in &scene.lights {
@@ -137,6 +145,9 @@ impl Shader {
         radiance
     }
 }
+
+/// The part of a pixel from which on a surface's own sky is looked at in several directions.
+const SEEN_WELL: f32 = 0.1;
 
 /// Diffuse + specular of one normal, times the cosine to the light. The factor keeps the specular albedo at or
 /// under k_s. [method §7]
