@@ -162,17 +162,21 @@ impl Procedure for Fur {
                 let blend = x * x * (3.0 - 2.0 * x);
                 (self.root_color.lerp(self.tip_color, blend) * shade).clamp(Vec3::ZERO, Vec3::ONE)
             };
-            tube(&mut geometry, &points, self.sides.clamp(3, 16), radius, color);
+            // Each strand turned its own way: together, few-sided tubes are as round as fur.
+            let turn = TAU * Random::new(self.seed ^ 0x7ab5, i.into()).unit();
+            tube(&mut geometry, &points, self.sides.clamp(3, 16), turn, radius, color);
         }
         geometry
     }
 }
 
-/// A tube along a curve: `radius` and `color` at a fraction of it, 0 at its first point.
+/// A tube along a curve, its sides turned by `turn` radians about it: `radius` and `color` at a fraction of it, 0
+/// at its first point.
 fn tube(
     geometry: &mut Geometry,
     points: &[Vec3],
     sides: u32,
+    turn: f32,
     radius: impl Fn(f32) -> f32,
     color: impl Fn(f32) -> Vec3,
 ) {
@@ -187,7 +191,7 @@ fn tube(
         let up = along.cross(right);
         let r = radius(k as f32 / last as f32);
         let next: Vec<Vec3> = (0..sides)
-            .map(|side| Vec2::from_angle(TAU * side as f32 / sides as f32) * r)
+            .map(|side| Vec2::from_angle(turn + TAU * side as f32 / sides as f32) * r)
             .map(|p| point + right * p.x + up * p.y)
             .collect();
         if k > 0 {
