@@ -1,5 +1,7 @@
 //! Light on a coat against light on the geometry that it stands for: one sun with hard shadows, no sky.
 
+use std::sync::Arc;
+
 use pelage::geom::Material;
 use pelage::geom::glam::Vec3;
 use pelage::skin::{SkinOptions, extrude, surface};
