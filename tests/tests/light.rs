@@ -33,8 +33,9 @@ fn mean_radiance(film: &Film) -> f32 {
     film.pixels.iter().map(|p| p.color.x).sum::<f32>() / film.pixels.len() as f32
 }
 
-/// Compares at three distances, where boxes are about 80, 30 and 8 pixels wide, within a tolerance for each.
-fn compare(name: &str, mut geometry: Geometry, tolerances: [f32; 3]) {
+/// Compares at three distances, where boxes are about 80, 30 and 8 pixels wide: alpha within `coverage`, energy within
+/// a tolerance for each.
+fn compare(name: &str, mut geometry: Geometry, coverage: f32, tolerances: [f32; 3]) {
     geometry.colors.fill(Vec3::ONE);
     geometry.specular = 0.0;
     let texel = texel(&geometry, 6, true);
@@ -53,7 +54,7 @@ fn compare(name: &str, mut geometry: Geometry, tolerances: [f32; 3]) {
             let alpha = mean_alpha(&cone) / mean_alpha(&truth);
             let energy = seen / true_one;
             println!("{name}, distance {distance:>2}, light {light}: energy {energy:.3}, alpha {alpha:.3}");
-            assert!((alpha - 1.0).abs() < 0.03, "{name}, {light} at {distance}: alpha {alpha}");
+            assert!((alpha - 1.0).abs() < coverage, "{name}, {light} at {distance}: alpha {alpha}");
             [seen, true_one]
         };
         let [seen, from_the_side] = measure("from the side", side);
@@ -71,11 +72,11 @@ fn compare(name: &str, mut geometry: Geometry, tolerances: [f32; 3]) {
 
 #[test]
 fn blades_are_as_bright_as_their_geometry() {
-    compare("blades", blades(60, 11), [0.08, 0.08, 0.15]);
+    compare("blades", blades(60, 11), 0.02, [0.08, 0.08, 0.15]);
 }
 
 #[test]
 fn fur_is_as_bright_as_its_geometry() {
     let fur = Fur { count: 80, root_radius: 0.016, tip_radius: 0.006, ..Fur::long() };
-    compare("fur", fur.geometry(), [0.12, 0.16, 0.16]);
+    compare("fur", fur.geometry(), 0.04, [0.12, 0.16, 0.16]);
 }
