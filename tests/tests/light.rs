@@ -78,5 +78,5 @@ fn blades_are_as_bright_as_their_geometry() {
 #[test]
 fn fur_is_as_bright_as_its_geometry() {
     let fur = Fur { count: 80, root_radius: 0.016, tip_radius: 0.006, ..Fur::long() };
-    compare("fur", fur.geometry(), 0.04, [0.12, 0.16, 0.16]);
+    compare("fur", fur.geometry(), 0.04, [0.12, 0.25, 0.25]);
 }
