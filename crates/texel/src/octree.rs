@@ -5,7 +5,7 @@ use glam::{IVec3, Vec3};
 
 use crate::bricks::Bricks;
 use crate::packed::Packed;
-use crate::{TexelError, Voxel, Walk};
+use crate::{Crossing, Line, TexelError, Voxel, Walk};
 
 /// One level: `2^l` voxels a side, of which only the occupied ones are stored.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,16 @@ impl Level {
     #[inline]
     pub fn voxel(&self, index: u32) -> Voxel {
         self.voxels[index as usize].unpack()
+    }
+
+    /// What `line` (in voxels of this level) meets between the parameters `range` in the voxel `index`, standing in
+    /// `cell`; `None` where it misses the matter.
+    ///
+    /// # Panics
+    /// If `index` is not below [`len`](Self::len).
+    #[inline]
+    pub fn cross(&self, index: u32, line: &Line, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
+        line.cross(&self.voxels[index as usize], cell, range)
     }
 
     /// The voxel in a cell: s and t wrap if the texel is periodic; `None` outside it or where it is empty.

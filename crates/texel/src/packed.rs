@@ -47,14 +47,14 @@ impl Packed {
         let largest = entries.iter().fold(1e-30_f32, |largest, e| largest.max(e.abs()));
         // The smallest power of two that brings the largest entry under 2¹⁵.
         let exponent = ((largest / 32767.0).log2().ceil() + 127.0).clamp(1.0, 254.0) as u8;
-        let unit = |v: Vec3| v.to_array().map(|c| (255.0 * c).round() as u8);
+        let bytes = |v: Vec3| v.to_array().map(|c| (255.0 * c).round() as u8);
         Self {
             sigma: entries.map(|e| (e / power(exponent)).round() as i16),
             normal: octahedral(voxel.slab_normal),
             slab: voxel.slab.map(|s| ((s + SQRT_3) * SLAB_STEPS).round() as u16),
-            lo: unit(voxel.lo),
-            hi: unit(voxel.hi),
-            albedo: unit(voxel.albedo.map(f32::sqrt)),
+            lo: bytes(voxel.lo),
+            hi: bytes(voxel.hi),
+            albedo: bytes(voxel.albedo.map(f32::sqrt)),
             exponent,
             kappa: (85.0 * voxel.kappa).round() as u8,
             openness: (255.0 * voxel.openness).round() as u8,
@@ -63,25 +63,49 @@ impl Packed {
 
     #[inline]
     pub(crate) fn unpack(&self) -> Voxel {
-        let scale = power(self.exponent);
-        let [xx, yy, zz, xy, xz, yz] = self.sigma.map(|e| f32::from(e) * scale);
-        let unit = |v: [u8; 3]| Vec3::from_array(v.map(f32::from)) * (1.0 / 255.0);
         let root = unit(self.albedo);
+        let [lo, hi] = self.region_box();
+        let (slab_normal, slab) = self.region_slab();
         Voxel {
-            sigma: Symmetric3 { xx, yy, zz, xy, xz, yz },
-            lo: unit(self.lo),
-            hi: unit(self.hi),
-            slab_normal: normal(self.normal),
-            slab: self.slab.map(|s| f32::from(s) * (1.0 / SLAB_STEPS) - SQRT_3),
+            sigma: self.sigma(),
+            lo,
+            hi,
+            slab_normal,
+            slab,
             albedo: root * root,
             kappa: f32::from(self.kappa) * (1.0 / 85.0),
             openness: f32::from(self.openness) * (1.0 / 255.0),
         }
     }
 
+    /// The corners of the tight box.
+    #[inline]
+    pub(crate) fn region_box(&self) -> [Vec3; 2] {
+        [unit(self.lo), unit(self.hi)]
+    }
+
+    /// The slab's normal and its two distances.
+    #[inline]
+    pub(crate) fn region_slab(&self) -> (Vec3, [f32; 2]) {
+        (normal(self.normal), self.slab.map(|s| f32::from(s) * (1.0 / SLAB_STEPS) - SQRT_3))
+    }
+
+    #[inline]
+    pub(crate) fn sigma(&self) -> Symmetric3 {
+        let scale = power(self.exponent);
+        let [xx, yy, zz, xy, xz, yz] = self.sigma.map(|e| f32::from(e) * scale);
+        Symmetric3 { xx, yy, zz, xy, xz, yz }
+    }
+
     pub(crate) fn set_openness(&mut self, openness: f32) {
         self.openness = (255.0 * openness).round() as u8;
     }
+}
+
+/// Bytes as numbers in `[0, 1]`.
+#[inline]
+fn unit(bytes: [u8; 3]) -> Vec3 {
+    Vec3::from_array(bytes.map(f32::from)) * (1.0 / 255.0)
 }
 
 /// 2^(exponent − 127), for exponents 1 to 254.

@@ -5,7 +5,6 @@ use pelage_geom::{Cone, Ray};
 
 use super::march::{Beam, march};
 use super::passages::{self, BoxPassage};
-use super::path::Chord;
 use super::{Blend, Cell, Piece, Trail, VoxelKey};
 use crate::surface::SurfaceHit;
 use crate::{Scene, Settings};
@@ -46,7 +45,6 @@ pub(crate) struct View {
     pub voxels: Vec<SeenVoxel>,
     pub surfaces: Vec<SeenSurface>,
     passages: Vec<BoxPassage>,
-    chords: Vec<Chord>,
     trail: Trail,
     /// Cells not yet composited, in order of distance: of the boxes that the ray is in at the same time.
     pending: Vec<Cell>,
@@ -81,7 +79,7 @@ impl View {
                 break;
             }
             let before = self.trail.cells.len();
-            march(scene, beam, passage, &mut self.chords, &mut self.trail);
+            march(scene, beam, passage, &mut self.trail);
             self.pending.extend(self.trail.cells.drain(before..));
             // Stable: of equal distances, the box that was entered first.
             self.pending.sort_by(|a, b| a.t.total_cmp(&b.t));
@@ -143,15 +141,17 @@ fn show(
         let hidden = blend.pass(piece.fine, piece.through);
         let weight = share * *transmittance * hidden;
         if weight > 0.0 {
-            voxels.push(seen(piece, weight, direction));
+            voxels.push(seen(trail, piece, weight, direction));
         }
     }
     *transmittance *= blend.transmittance();
 }
 
-fn seen(piece: &Piece, weight: f32, direction: Vec3) -> SeenVoxel {
-    let Piece { key, voxel, depth, t, at, .. } = *piece;
-    SeenVoxel { key, voxel, weight, depth, t: t[0] + (t[1] - t[0]) * mean_visible(depth), at, direction }
+fn seen(trail: &Trail, piece: &Piece, weight: f32, direction: Vec3) -> SeenVoxel {
+    let Piece { key, voxel, depth, .. } = *piece;
+    let [near, far] = trail.distances(piece);
+    let t = near + (far - near) * mean_visible(depth);
+    SeenVoxel { key, voxel, weight, depth, t, at: trail.points(piece), direction }
 }
 
 /// Where in a homogeneous stretch of optical depth τ the light that is seen comes from, as a fraction of its

@@ -5,7 +5,7 @@
 
 use glam::{IVec3, Vec3};
 use pelage_geom::{Cone, Ray};
-use pelage_texel::{Level, Texel};
+use pelage_texel::{Crossing, Level, Line, Step, Texel};
 
 use super::lod::{Band, lambda};
 use super::passages::BoxPassage;
@@ -26,13 +26,7 @@ pub(crate) struct Beam<'a> {
 
 /// Follows the beam through one box and appends what it meets to `trail`. Stops where less than
 /// `settings.min_transmittance` gets through. Returns what gets through this box.
-pub(crate) fn march(
-    scene: &Scene,
-    beam: Beam,
-    passage: &BoxPassage,
-    chords: &mut Vec<Chord>,
-    trail: &mut Trail,
-) -> f32 {
+pub(crate) fn march(scene: &Scene, beam: Beam, passage: &BoxPassage, trail: &mut Trail) -> f32 {
     let Beam { ray, cone, settings } = beam;
     let (coat, patch) = scene.patch(passage.patch);
     let texel = &coat.texel;
@@ -47,13 +41,13 @@ pub(crate) fn march(
     let finest = Band::of(levels[0].max(levels[1]), texel.depth()).finest();
     let least = ((levels[1] - levels[0]).abs() / LEVELS_PER_CHORD).ceil() as usize;
 
-    chords.clear();
+    let first = trail.chords.len();
     match settings.path {
         Path::Curved => {
             let tolerance = settings.path_tolerance / (1_u32 << finest) as f32;
-            local.chords(passage, tolerance, least, chords);
+            local.chords(passage, tolerance, least, &mut trail.chords);
         }
-        Path::Straight => local.straight(passage, least, chords),
+        Path::Straight => local.straight(passage, least, &mut trail.chords),
     }
 
     let span = (passage.t[1] - passage.t[0]).max(f64::MIN_POSITIVE);
@@ -65,10 +59,11 @@ pub(crate) fn march(
         transmittance: 1.0,
         trail,
     };
-    for chord in chords.iter() {
+    for index in first..walker.trail.chords.len() {
+        let chord = walker.trail.chords[index];
         let middle = ((0.5 * (chord.t[0] + chord.t[1]) - passage.t[0]) / span) as f32;
         let level = levels[0] + (levels[1] - levels[0]) * middle;
-        walker.chord(chord, Band::of(level, texel.depth()), settings.min_transmittance);
+        walker.chord(index as u32, &chord, Band::of(level, texel.depth()), settings.min_transmittance);
         if walker.transmittance < settings.min_transmittance {
             break;
         }
@@ -98,34 +93,37 @@ struct Walker<'a> {
 }
 
 impl Walker<'_> {
-    fn chord(&mut self, chord: &Chord, band: Band, least: f32) {
+    fn chord(&mut self, index: u32, chord: &Chord, band: Band, least: f32) {
         let Some(level) = self.texel.levels().get(band.coarse as usize) else { return };
-        let scale = level.resolution() as f32;
-        let (from, to) = (chord.at[0] * scale, chord.at[1] * scale);
-        let segment = Segment { chord, from, step: to - from };
-        for step in level.walk(from, to) {
-            let same = self.open.is_some_and(|(b, cell, ..)| b.coarse == band.coarse && cell == step.cell);
+        let fine = if band.blend > 0.0 { self.texel.levels().get(band.coarse as usize + 1) } else { None };
+        let [from, to] = chord.at.map(|at| at * level.resolution() as f32);
+        let line = Line::new(from, to - from);
+        let finer = line.finer();
+        for Step { cell, voxel, enter, leave } in level.walk(from, to) {
+            let same = self.open.is_some_and(|(b, open, ..)| b.coarse == band.coarse && open == cell);
             if !same {
                 self.close();
                 if self.transmittance < least {
                     return;
                 }
-                let begin = self.trail.pieces.len() as u32;
-                self.open = Some((band, step.cell, segment.distance(step.enter), begin));
+                let [a, b] = chord.t;
+                let t = (a + (b - a) * f64::from(enter)) as f32;
+                self.open = Some((band, cell, t, self.trail.pieces.len() as u32));
             }
-            self.piece(level, band.coarse, false, step.voxel, step.cell, [step.enter, step.leave], &segment);
-            if band.blend > 0.0 {
-                self.children(band.coarse + 1, step.cell, [step.enter, step.leave], &segment);
+            if let Some(crossing) = level.cross(voxel, &line, cell, [enter, leave]) {
+                let key = VoxelKey { patch: self.patch, level: band.coarse as u8, cell: cell.to_array() };
+                self.piece(key, voxel, false, crossing, index);
+            }
+            if let Some(fine) = fine {
+                self.children(fine, band.coarse as u8 + 1, cell, [enter, leave], &finer, index);
             }
         }
     }
 
-    /// The up to four children of `cell` that the segment goes through.
-    fn children(&mut self, fine: u32, cell: IVec3, range: [f32; 2], segment: &Segment) {
-        let Some(level) = self.texel.levels().get(fine as usize) else { return };
-        let segment = segment.doubled();
+    /// The up to four children of `cell` that the line goes through.
+    fn children(&mut self, level: &Level, l: u8, cell: IVec3, range: [f32; 2], line: &Line, chord: u32) {
         let middle = (2 * cell + IVec3::ONE).as_vec3();
-        let mut cuts = (middle - segment.from) / segment.step;
+        let mut cuts = (middle - line.from) / line.step;
         // A component that never crosses its mid-plane cuts at the end, where no piece is left to begin.
         cuts = Vec3::select(cuts.is_nan_mask(), Vec3::splat(range[1]), cuts)
             .clamp(Vec3::splat(range[0]), Vec3::splat(range[1]));
@@ -134,44 +132,24 @@ impl Walker<'_> {
         let mut enter = range[0];
         for leave in cuts {
             if leave > enter {
-                let at = segment.from + 0.5 * (enter + leave) * segment.step;
+                let at = line.from + 0.5 * (enter + leave) * line.step;
                 let upper = at.cmpge(middle);
                 let child = 2 * cell + IVec3::new(upper.x.into(), upper.y.into(), upper.z.into());
-                if let Some(voxel) = level.find(child) {
-                    self.piece(level, fine, true, voxel, child, [enter, leave], &segment);
+                if let Some(voxel) = level.find(child)
+                    && let Some(crossing) = level.cross(voxel, line, child, [enter, leave])
+                {
+                    let key = VoxelKey { patch: self.patch, level: l, cell: child.to_array() };
+                    self.piece(key, voxel, true, crossing, chord);
                 }
                 enter = leave;
             }
         }
     }
 
-    /// The part of a voxel's matter that the segment goes through.
-    fn piece(
-        &mut self,
-        level: &Level,
-        l: u32,
-        fine: bool,
-        voxel: u32,
-        cell: IVec3,
-        range: [f32; 2],
-        segment: &Segment,
-    ) {
-        let matter = level.voxel(voxel);
-        let Some([enter, leave]) = matter.clip(segment.from - cell.as_vec3(), segment.step, range) else {
-            return;
-        };
-        let depth = matter.depth_per_step(segment.step) * (leave - enter);
-        if depth > 0.0 {
-            self.trail.pieces.push(Piece {
-                key: VoxelKey { patch: self.patch, level: l as u8, cell: cell.to_array() },
-                voxel,
-                fine,
-                depth,
-                through: through(self.opacity, depth),
-                t: [segment.distance(enter), segment.distance(leave)],
-                at: [segment.texel_at(enter), segment.texel_at(leave)],
-            });
-        }
+    fn piece(&mut self, key: VoxelKey, voxel: u32, fine: bool, crossing: Crossing, chord: u32) {
+        let Crossing { range, depth } = crossing;
+        let through = through(self.opacity, depth);
+        self.trail.pieces.push(Piece { key, voxel, fine, depth, through, chord, range });
     }
 
     /// Ends the cell being walked.
@@ -187,28 +165,5 @@ impl Walker<'_> {
             self.transmittance *= blend.transmittance();
             self.trail.cells.push(cell);
         }
-    }
-}
-
-/// A chord in the voxel units of one level, by a parameter in `[0, 1]`.
-struct Segment<'a> {
-    chord: &'a Chord,
-    from: Vec3,
-    step: Vec3,
-}
-
-impl Segment<'_> {
-    /// The same chord in the units of the next finer level.
-    fn doubled(&self) -> Self {
-        Self { chord: self.chord, from: 2.0 * self.from, step: 2.0 * self.step }
-    }
-
-    fn distance(&self, x: f32) -> f32 {
-        let [a, b] = self.chord.t;
-        (a + (b - a) * f64::from(x)) as f32
-    }
-
-    fn texel_at(&self, x: f32) -> Vec3 {
-        self.chord.at[0].lerp(self.chord.at[1], x)
     }
 }

@@ -20,6 +20,8 @@ pub(crate) mod shadow;
 
 use glam::Vec3;
 
+use path::Chord;
+
 /// Which voxel of which box: rays that meet the same one share its shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct VoxelKey {
@@ -43,10 +45,9 @@ pub(crate) struct Piece {
     pub depth: f32,
     /// What gets through it.
     pub through: f32,
-    /// Where the ray enters and leaves the matter: distance, in scene units.
-    pub t: [f32; 2],
-    /// The same, in texel coordinates (s, t, w).
-    pub at: [Vec3; 2],
+    /// Which of [`Trail::chords`] it lies on, and from where to where of it, as fractions.
+    pub chord: u32,
+    pub range: [f32; 2],
 }
 
 /// One cell of the coarser level in use, with what the ray meets in it at both levels.
@@ -65,12 +66,26 @@ pub(crate) struct Cell {
 pub(crate) struct Trail {
     pub cells: Vec<Cell>,
     pub pieces: Vec<Piece>,
+    pub chords: Vec<Chord>,
 }
 
 impl Trail {
     pub fn clear(&mut self) {
         self.cells.clear();
         self.pieces.clear();
+        self.chords.clear();
+    }
+
+    /// Where the ray enters and leaves the matter of a piece: distances, in scene units.
+    pub fn distances(&self, piece: &Piece) -> [f32; 2] {
+        let [a, b] = self.chords[piece.chord as usize].t;
+        piece.range.map(|x| (a + (b - a) * f64::from(x)) as f32)
+    }
+
+    /// The same, in texel coordinates (s, t, w).
+    pub fn points(&self, piece: &Piece) -> [Vec3; 2] {
+        let [a, b] = self.chords[piece.chord as usize].at;
+        piece.range.map(|x| a.lerp(b, x))
     }
 
     /// The pieces of a cell.

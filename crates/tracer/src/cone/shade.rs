@@ -39,8 +39,7 @@ impl Shader {
         let view = -seen.direction.normalize_or(Vec3::NEG_Y);
 
         let albedo = voxel.albedo * coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
-        let normals =
-            Normals::of(&voxel.normals(), inverse * view, &inverse.transpose(), settings.normals);
+        let normals = Normals::of(&voxel.normals(), inverse * view, &inverse.transpose(), settings.normals);
         let open = if settings.shadows { voxel.openness } else { 1.0 };
         let ambient = open * albedo * normals.mean(|n| scene.environment.mean_radiance(n));
 

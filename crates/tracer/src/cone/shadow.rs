@@ -6,7 +6,6 @@ use pelage_geom::{Cone, Ray};
 use super::Trail;
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
-use super::path::Chord;
 use super::{Blend, Cell};
 use crate::{Scene, Settings};
 
@@ -61,7 +60,6 @@ pub(crate) fn decay(x: f32) -> f32 {
 #[derive(Default)]
 pub(crate) struct ShadowBuffers {
     passages: Vec<BoxPassage>,
-    chords: Vec<Chord>,
     trail: Trail,
 }
 
@@ -84,7 +82,7 @@ impl ShadowBuffers {
         passages::collect(scene, &ray, shadow.start, shadow.end, &mut self.passages);
         for passage in &self.passages {
             self.trail.clear();
-            march(scene, beam, passage, &mut self.chords, &mut self.trail);
+            march(scene, beam, passage, &mut self.trail);
             for cell in &self.trail.cells {
                 transmittance *= passed(&self.trail, cell, settings, shadow.correlation);
             }
@@ -99,7 +97,8 @@ impl ShadowBuffers {
 fn passed(trail: &Trail, cell: &Cell, settings: &Settings, correlation: Correlation) -> f32 {
     let mut blend = Blend::new(cell);
     for piece in trail.pieces_of(cell) {
-        let factor = correlation.factor(piece.t[0], piece.t[1]);
+        let [near, far] = trail.distances(piece);
+        let factor = correlation.factor(near, far);
         // Beyond the neighbourhood nothing is correlated, and what gets through is known.
         let passed =
             if factor == 1.0 { piece.through } else { through(settings.opacity, factor * piece.depth) };
