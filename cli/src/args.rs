@@ -41,6 +41,16 @@ pub struct RenderArgs {
     #[arg(long, value_parser = positive, help_heading = "Skin")]
     height: Option<f32>,
 
+    /// Tilts it all the same way: 0,-0.5,0 lets it hang; a length of 1 tilts by 45°
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = list::<3, f32>,
+        allow_hyphen_values = true,
+        help_heading = "Skin"
+    )]
+    lean: Option<[f32; 3]>,
+
     /// Only on the mesh or material of this name; may be repeated
     #[arg(long, value_name = "NAME", help_heading = "Skin")]
     on: Vec<String>,
@@ -229,6 +239,7 @@ impl RenderArgs {
             let TexelEntry::Fur(fur) = &mut skin.texel;
             set(&mut fur.resolution, self.resolution);
             set(&mut skin.tint, self.tint);
+            set(&mut skin.lean, self.lean);
             set(&mut skin.folds, self.folds);
             skin.height = self.height.or(skin.height);
             skin.tiling = self.tiling.or(skin.tiling);

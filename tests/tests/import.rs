@@ -181,6 +181,79 @@ fn obj_errors_name_the_line() {
 }
 
 #[test]
+fn obj_objects_materials_and_groups() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\n";
+    // Two objects of one name stay two; the changes of material within them cut nothing, and neither does `g`.
+    let text = format!(
+        "mtllib m.mtl\n{vertices}o A\nusemtl\tred\nf 1 2 3\ng part\nusemtl blue # sky\nf 2 4 3\n\
+         usemtl red\nf 1 4 2\no empty\no A\nf 1 2 3\no\nusemtl\nf 1 3 4\n"
+    );
+    let mtl = b"Kd 9 9\nnewmtl\tred\nKd 1 0 0\nnewmtl blue # sky\nKd 0 0 1\n";
+    let folder = Folder::new(&[("a.obj", text.as_bytes()), ("m.mtl", mtl)]);
+    let scene = folder.import("a.obj").expect("three objects");
+    let colours = |mesh: &Mesh| {
+        mesh.faces.iter().map(|f| scene.materials[f.material.0 as usize].base_color).collect::<Vec<_>>()
+    };
+    let found: Vec<_> = scene.meshes.iter().map(|m| (m.name.as_str(), colours(m))).collect();
+    let grey = Vec3::splat(0.8);
+    assert_eq!(found, [("A", vec![Vec3::X, Vec3::Z, Vec3::X]), ("A", vec![Vec3::X]), ("", vec![grey])]);
+    assert_eq!(scene.meshes[0].positions.len(), 4);
+    // Without any `o`, groups are the meshes.
+    let groups = obj(&format!("{vertices}f 1 2 3\ng b\nf 2 4 3\ng b\nf 1 2 4\n")).expect("three groups");
+    assert_eq!(groups.meshes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["", "b", "b"]);
+}
+
+#[test]
+fn obj_corners_without_attributes_borrow_none() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.5\nvn 0 0 2\n\
+                o bare\nf 1 2 3\no whole\nf 1/1/1 2/-1/-1 3/1/1\no some\nf 1/1/1 2/1/1 3/1/1\nf 1/1 2 3//1\n";
+    let scene = obj(text).expect("triangles");
+    let [bare, whole, some] = &scene.meshes[..] else { panic!("three meshes") };
+    assert_eq!((&bare.uvs, &bare.normals, &some.uvs, &some.normals), (&None, &None, &None, &None));
+    assert_eq!(whole.uvs.as_ref().expect("uvs")[0][..3], [Vec2::new(0.5, 0.0); 3]);
+    assert_eq!(whole.normals.as_ref().expect("normals")[0][..3], [Vec3::Z; 3]);
+    // Texture coordinates and normals, of the last one alone.
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
+    assert!(scene.warnings.iter().all(|w| w.message.starts_with("mesh `some`")));
+}
+
+/// A library for the triangle of `with_library`.
+fn with_library(mtl: &[u8]) -> Folder {
+    let text = b"mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+    Folder::new(&[("a.obj", text), ("m.mtl", mtl)])
+}
+
+#[test]
+fn mtl_lines_are_completed_or_named() {
+    let colour = |line: &str| {
+        let folder = with_library(format!("newmtl m\n{line}\n").as_bytes());
+        folder.import("a.obj").map(|scene| scene.materials[0].base_color)
+    };
+    for (line, expected) in [
+        ("Kd 0.5", vec3(0.5, 0.5, 0.5)),
+        ("Kd 0.5 0.25", vec3(0.5, 0.25, 0.5)),
+        ("Kd 0.5 0.25 -1 7", vec3(0.5, 0.25, 0.0)),
+        ("Pm 0.5\nKd 1 1 1", vec3(0.5, 0.5, 0.5)),
+        // What is not used cannot be wrong.
+        ("Ka 1\nNi\nd x\nillum 999\nmap_Kd\nmap_bump\nnewmtl\nKd 0", vec3(0.8, 0.8, 0.8)),
+    ] {
+        assert_eq!(colour(line).expect(line), expected, "{line}");
+    }
+    for (line, reason) in [
+        ("Kd", "`` is not a usable number"),
+        ("Kd 1 x 1", "`x` is not a usable number"),
+        ("Ke 1 1 inf", "`inf` is not a usable number"),
+        ("Ns nan", "`nan` is not a usable number"),
+        ("Pr 1e39", "`1e39` is not a usable number"),
+    ] {
+        let error = colour(line).expect_err(line);
+        assert_eq!(error.place, Place::Line(1));
+        let message = error.to_string();
+        assert!(message.ends_with(&format!("m.mtl:2: {reason}")), "{message}");
+    }
+}
+
+#[test]
 fn obj_stays_in_its_folder() {
     let inner = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
     let folder = Folder::new(&[("secret.mtl", b"newmtl m\nKd 1 0 0\n")]);
@@ -478,6 +551,30 @@ fn survives(folder: &Folder, name: &str, bytes: &[u8]) {
     assert!(begun.elapsed() < Duration::from_secs(5), "{name} of {} bytes", bytes.len());
 }
 
+/// A line of each kind that a library may have.
+const MTL: &str = "\
+newmtl m
+Ka 1 1 1
+Kd 0.5 0.5 0.5
+Ks 0 0 0
+Ke 0 0 0
+Ns 10
+Ni 1.5
+d 1
+illum 2
+Pr 0.5
+Pm 0.1
+map_Kd -s 1 1 1 -clamp on no.png
+bump -bm 1 no.png
+";
+
+/// Imports the triangle of `with_library` with these bytes as its library.
+fn survives_library(folder: &Folder, bytes: &[u8]) {
+    fs::write(folder.path("m.mtl"), bytes).expect("a file");
+    let text = fs::read(folder.path("a.obj")).expect("a file");
+    survives(folder, "a.obj", &text);
+}
+
 #[test]
 fn truncated_files() {
     let folder = Folder::new(&[]);
@@ -491,6 +588,10 @@ fn truncated_files() {
     }
     for length in 0..CUBE.len() {
         survives(&folder, "cut.obj", &CUBE.as_bytes()[..length]);
+    }
+    let folder = with_library(&[]);
+    for length in 0..MTL.len() {
+        survives_library(&folder, &MTL.as_bytes()[..length]);
     }
 }
 
@@ -510,7 +611,59 @@ fn flipped_bits() {
         bytes[i / 8] ^= 1 << (i % 8);
         survives(&folder, "flip.obj", &bytes);
     }
+    let folder = with_library(&[]);
+    for i in 0..MTL.len() * 8 {
+        let mut bytes = MTL.as_bytes().to_vec();
+        bytes[i / 8] ^= 1 << (i % 8);
+        survives_library(&folder, &bytes);
+    }
 }
+
+const WORDS: &[&str] = &[
+    "v",
+    "\nvt",
+    "\nvn",
+    "\nf",
+    "\nf 1 2 3",
+    "\nf 1 2 3 1 2",
+    "\no",
+    "\ng",
+    "\nusemtl",
+    "\nmtllib",
+    "\nnewmtl",
+    "\nKd",
+    "\nKe",
+    "\nNs",
+    "\nPr",
+    "\nPm",
+    "\nmap_Kd",
+    "\nl",
+    "\np",
+    "\n#",
+    "\n",
+    "\\\n",
+    " ",
+    "\t",
+    "\r",
+    " 1",
+    " 2",
+    " 3",
+    " -1",
+    " 0",
+    " 1/1",
+    " 1//1",
+    " 1/1/1",
+    " 1/1/1/1",
+    " /",
+    " -9223372036854775808",
+    " 1e38",
+    " nan",
+    " a",
+    " -s",
+    " m.mtl",
+    "\u{a0}",
+    "é",
+];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
@@ -519,10 +672,22 @@ proptest! {
     fn random_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
         let folder = Folder::new(&[]);
         survives(&folder, "r.obj", &bytes);
+        survives_library(&with_library(&[]), &bytes);
         survives(&folder, "r.gltf", &bytes);
         let mut glb = b"glTF\x02\0\0\0".to_vec();
         glb.extend(&bytes);
         survives(&folder, "r.glb", &glb);
+    }
+
+    /// The words of OBJ and MTL files in any order: what the readers take apart, rather than what they skip.
+    #[test]
+    fn random_statements(words in proptest::collection::vec(proptest::sample::select(WORDS), 0..80)) {
+        let text = words.concat();
+        survives(&Folder::new(&[]), "r.obj", text.as_bytes());
+        survives_library(&with_library(&[]), text.as_bytes());
+        // After this head, some of the faces are good ones.
+        let head = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
+        survives(&with_library(text.as_bytes()), "r.obj", format!("mtllib m.mtl\n{head}{text}").as_bytes());
     }
 
     /// Numbers in the JSON replaced by others, as a fuzzer that knows the structure does.

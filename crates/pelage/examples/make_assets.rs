@@ -26,25 +26,27 @@ geometry = [{ file = "fluff.obj" }]
 
 [[skin]]
 on = "Cream"
-texel.fur = { preset = "long", count = 1000, root_radius = 0.007, lean = [0.1, -0.5], clump = 0.7, curl = 0.3 }
-height = 0.13
+texel.fur = { preset = "long" }
+height = 0.14
+lean = [0, -0.5, 0]
 aspect = 1.5
 
 [[skin]]
 on = "Teal"
-texel.fur = { preset = "plush", count = 2200, root_radius = 0.006, resolution = 64 }
+texel.fur = { preset = "plush", resolution = 64 }
 height = 0.06
 aspect = 1.5
 
 [[skin]]
 on = "Rose"
-texel.fur = { preset = "long", count = 1800, root_radius = 0.005, lean = [0.1, -0.5], clump = 0.8, curl = 0.4, resolution = 64 }
+texel.fur = { preset = "long" }
 height = 0.1
+lean = [0, -0.3, 0]
 aspect = 1.5
 
 [[skin]]
 on = "Rug"
-texel.fur = { preset = "plush", count = 1500, root_radius = 0.008, clump = 0.5, seed = 3, resolution = 64 }
+texel.fur = { preset = "plush", resolution = 64 }
 height = 0.05
 aspect = 1.5
 

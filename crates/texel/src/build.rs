@@ -3,15 +3,16 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
+use pelage_geom::Symmetric3;
 use rayon::prelude::*;
 
 use crate::bricks::Bricks;
-use crate::coverage::{ICOSAHEDRON, SIXTEEN, Sight, fit};
+use crate::coverage::{ICOSAHEDRON, Matter, SIXTEEN, Sight, View, fit};
+use crate::grid::Frame;
 use crate::openness;
 use crate::own_shadow::{Seen, kappa};
 use crate::packed::Packed;
-use crate::raster::Raster;
-use crate::region::Region;
+use crate::region::{Parts, Region};
 use crate::voxelise::{Cells, Facet, tile};
 use crate::{BuildError, Geometry, Level, Texel, Voxel};
 
@@ -24,8 +25,8 @@ pub struct BuildOptions {
     pub periodic: bool,
     /// Side of the square ray grids at levels 6 and above, from 6 directions.
     pub fine_rays: u32,
-    /// Side of the square ray grids at levels 3 to 5 (from 6 directions at level 5, 16 below); eight times that
-    /// below level 3, where there are few voxels.
+    /// Side of the square ray grids at levels 3 to 5 (from 6 directions at level 5, 16 below); four times that at
+    /// level 2 and eight times below, where there are few voxels.
     pub coarse_rays: u32,
 }
 
@@ -65,13 +66,15 @@ impl BuildOptions {
     /// How the voxels of a level are looked at.
     fn sampling(&self, level: u32) -> Sampling {
         let [fine, coarse] = [self.fine_rays, self.coarse_rays].map(|side| side as usize);
-        match level {
-            7.. => Sampling { directions: &ICOSAHEDRON, side: fine, points: 1 },
-            6 => Sampling { directions: &ICOSAHEDRON, side: fine, points: 2 },
-            5 => Sampling { directions: &ICOSAHEDRON, side: coarse, points: 3 },
-            3..5 => Sampling { directions: &SIXTEEN, side: coarse, points: 4 },
-            ..3 => Sampling { directions: &SIXTEEN, side: 8 * coarse, points: 8 },
-        }
+        let (directions, side, points) = match level {
+            7.. => (ICOSAHEDRON.as_slice(), fine, 1),
+            6 => (ICOSAHEDRON.as_slice(), fine, 2),
+            5 => (ICOSAHEDRON.as_slice(), coarse, 3),
+            3..5 => (SIXTEEN.as_slice(), coarse, 4),
+            2 => (SIXTEEN.as_slice(), 4 * coarse, 8),
+            ..2 => (SIXTEEN.as_slice(), 8 * coarse, 8),
+        };
+        Sampling { frames: directions.iter().map(|&d| Frame::new(d)).collect(), side, points }
     }
 }
 
@@ -82,9 +85,8 @@ impl Default for BuildOptions {
 }
 
 /// How the voxels of a level are looked at.
-#[derive(Clone, Copy)]
 struct Sampling {
-    directions: &'static [Vec3],
+    frames: Vec<Frame>,
     /// Side of the square ray grid of each direction.
     side: usize,
     /// Visible points kept from each direction, to measure the own shadow.
@@ -140,20 +142,14 @@ pub fn build(
     Ok(texel)
 }
 
-/// What looking along a direction needs.
-#[derive(Default)]
-struct View {
-    raster: Raster,
-    lengths: Vec<f32>,
-}
-
 /// What measuring a voxel needs and the next voxel reuses.
 #[derive(Default)]
 struct Scratch {
     triangles: Vec<[Vec3; 3]>,
     colors: Vec<Vec3>,
-    parts: Vec<Vec3>,
+    parts: Parts,
     view: View,
+    sights: Vec<Sight>,
     seen: Vec<Seen>,
 }
 
@@ -164,6 +160,7 @@ fn measure_level(
     options: &BuildOptions,
     report: &(dyn Fn(usize) + Sync),
 ) -> Vec<Packed> {
+    let sampling = options.sampling(level);
     (0..cells.codes().len())
         .into_par_iter()
         .map_init(Scratch::default, |scratch, i| {
@@ -176,7 +173,7 @@ fn measure_level(
                 scratch.colors.push(facet.color);
             }
             let seed = u64::from(level) << 32 | i as u64;
-            let voxel = measure_voxel(scratch, options.sampling(level), scale.recip(), seed);
+            let voxel = measure_voxel(scratch, &sampling, scale.recip(), seed);
             report(1);
             Packed::new(&voxel)
         })
@@ -184,38 +181,59 @@ fn measure_level(
 }
 
 /// Measures the voxel of edge `edge` (texel units) whose triangles are in `scratch`, in its frame.
-fn measure_voxel(scratch: &mut Scratch, sampling: Sampling, edge: f32, seed: u64) -> Voxel {
-    let Sampling { directions, side, points } = sampling;
-    let Scratch { triangles, colors, parts, view, seen } = scratch;
-    let Some(region) = Region::new(triangles, parts) else {
+fn measure_voxel(scratch: &mut Scratch, sampling: &Sampling, edge: f32, seed: u64) -> Voxel {
+    let Scratch { triangles, colors, parts, view, sights, seen } = scratch;
+    parts.clip(triangles);
+    let Some(region) = Region::new(parts) else {
         return Voxel::clear();
     };
-    let look = |view: &mut View, &direction: &Vec3| {
-        Sight::new(&mut view.raster, &mut view.lengths, &region, triangles, colors, direction, side, points)
-    };
-    // A voxel of many triangles is worth sharing between threads; one of few is not.
-    let sights: Vec<Sight> = if triangles.len() > 2000 {
-        let sights = directions.par_iter().map_init(View::default, |view, d| look(view, d));
-        sights.flatten().collect()
-    } else {
-        directions.iter().filter_map(|d| look(view, d)).collect()
-    };
-    let weight: f32 = sights.iter().map(|sight| sight.weight).sum();
-    let color: Vec3 = sights.iter().map(|sight| sight.color).sum();
-    let albedo =
-        if weight > 0.0 { color / weight } else { colors.iter().sum::<Vec3>() / colors.len() as f32 };
+    sights.clear();
+    seen.clear();
+    let color = colors.first().copied().filter(|first| colors.iter().all(|color| color == first));
+    let matter = Matter { region: &region, parts, triangles, colors, color };
     let mut voxel = Voxel {
-        sigma: fit(&sights),
+        sigma: Symmetric3::ZERO,
         lo: region.lo,
         hi: region.hi,
         slab_normal: region.normal,
         slab: region.slab,
-        albedo: albedo.clamp(Vec3::ZERO, Vec3::ONE),
+        albedo: Vec3::ZERO,
         kappa: 0.0,
         openness: 1.0,
     };
-    seen.clear();
-    seen.extend(sights.iter().flat_map(|sight| &sight.points));
-    voxel.kappa = kappa(&voxel, triangles, seen, edge, seed);
+    if region.is_planar() {
+        // A plane covers the same fraction of its slab from everywhere, and does not shadow itself.
+        let frame = Frame::new(region.normal);
+        sights.extend(view.look(matter, frame, sampling.side, 0, seen));
+        if let Some(sight) = sights.first() {
+            voxel.sigma = Symmetric3::outer(region.normal) * sight.sigma.powi(2);
+        }
+    } else {
+        // Of a convex body only what the light reaches is seen.
+        let points = if parts.are_convex(triangles) { 0 } else { sampling.points };
+        let look = |view: &mut View, &frame: &Frame, seen: &mut Vec<Seen>| {
+            view.look(matter, frame, sampling.side, points, seen)
+        };
+        // A voxel of many triangles is worth sharing between threads; one of few is not.
+        if triangles.len() > 2000 {
+            let apart = sampling.frames.par_iter().map_init(View::default, |view, frame| {
+                let mut seen = Vec::new();
+                (look(view, frame, &mut seen), seen)
+            });
+            for (sight, points) in apart.collect::<Vec<_>>() {
+                sights.extend(sight);
+                seen.extend(points);
+            }
+        } else {
+            sights.extend(sampling.frames.iter().filter_map(|frame| look(view, frame, seen)));
+        }
+        voxel.sigma = fit(sights);
+        voxel.kappa = kappa(&voxel, triangles, seen, edge, seed);
+    }
+    let weight: f32 = sights.iter().map(|sight| sight.weight).sum();
+    let sum: Vec3 = sights.iter().map(|sight| sight.color).sum();
+    let mean = || colors.iter().sum::<Vec3>() / colors.len() as f32;
+    let albedo = if weight > 0.0 { sum / weight } else { mean() };
+    voxel.albedo = albedo.clamp(Vec3::ZERO, Vec3::ONE);
     voxel
 }

@@ -8,9 +8,11 @@
 use glam::Vec3;
 use pelage_geom::Symmetric3;
 
+use crate::grid::{Frame, larger, smaller};
 use crate::own_shadow::Seen;
-use crate::raster::Raster;
-use crate::region::Region;
+use crate::raster::{Hits, Raster};
+use crate::region::{Parts, Region};
+use crate::silhouette::Silhouette;
 
 /// Opposite vertices of the icosahedron: the six axes from which six numbers follow.
 pub(crate) const ICOSAHEDRON: [Vec3; 6] = [
@@ -58,91 +60,119 @@ pub(crate) struct Sight {
     pub(crate) color: Vec3,
     /// Area seen, in squares of the voxel's edge.
     pub(crate) weight: f32,
-    /// A few of the points seen.
-    pub(crate) points: Vec<Seen>,
 }
 
-impl Sight {
-    /// Looks along `direction` with `side`² rays and keeps up to `points` of what it sees; `None` where no
-    /// ray crosses the region.
-    pub(crate) fn new(
-        raster: &mut Raster,
-        lengths: &mut Vec<f32>,
-        region: &Region,
-        triangles: &[[Vec3; 3]],
-        colors: &[Vec3],
-        direction: Vec3,
+/// What is looked at: a voxel's matter, in its frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Matter<'a> {
+    pub(crate) region: &'a Region,
+    pub(crate) parts: &'a Parts,
+    pub(crate) triangles: &'a [[Vec3; 3]],
+    pub(crate) colors: &'a [Vec3],
+    /// The colour of all of it, if it has only one.
+    pub(crate) color: Option<Vec3>,
+}
+
+/// Buffers that every look reuses.
+#[derive(Default)]
+pub(crate) struct View {
+    silhouette: Silhouette,
+    raster: Raster,
+    lengths: Vec<f32>,
+}
+
+impl View {
+    /// Looks along a direction with about `side`² rays and keeps up to `points` of what they see; `None` where no ray
+    /// crosses the region.
+    pub(crate) fn look(
+        &mut self,
+        matter: Matter,
+        frame: Frame,
         side: usize,
         points: usize,
-    ) -> Option<Self> {
-        raster.draw(region, triangles, direction, side);
-        lengths.clear();
-        let (mut seen, mut color) = (0, Vec3::ZERO);
-        for (length, hits) in raster.crossing() {
-            lengths.push(length);
-            if hits.any() {
-                seen += 1;
-                color += 0.5 * (colors[hits.first.1 as usize] + colors[hits.last.1 as usize]);
+        kept: &mut Vec<Seen>,
+    ) -> Option<Sight> {
+        let Matter { region, parts, triangles, colors, color } = matter;
+        let mean_color = |hits: &Hits| 0.5 * (colors[hits.first.1 as usize] + colors[hits.last.1 as usize]);
+        let (count, length, seen, mean, footprint);
+        if side <= Silhouette::SIDE {
+            // Each direction's colour from this many rays, where the matter has several.
+            const COLORS: u32 = 4;
+            self.silhouette.draw(region, parts, frame, side);
+            (count, length) = self.silhouette.grid.lengths(&mut self.lengths);
+            seen = self.silhouette.seen_count();
+            mean = color.unwrap_or_else(|| {
+                let hits = self.silhouette.hits(triangles, COLORS);
+                let (sum, n) =
+                    hits.fold((Vec3::ZERO, 0.0), |(s, n), (.., hits)| (s + mean_color(&hits), n + 1.0));
+                sum / f32::max(n, 1.0)
+            });
+            kept.extend(self.silhouette.seen(triangles, points as u32));
+            footprint = self.silhouette.grid.footprint();
+        } else {
+            self.raster.draw(region, triangles, frame, side);
+            (count, length) = self.raster.grid.lengths(&mut self.lengths);
+            let (sum, n) =
+                self.raster.crossing().fold((Vec3::ZERO, 0), |(s, n), hits| (s + mean_color(hits), n + 1));
+            (seen, mean) = (n, sum / n.max(1) as f32);
+            if points > 0 {
+                kept.extend(self.raster.seen((seen as usize / points).max(1)).take(points));
             }
+            footprint = self.raster.grid.footprint();
         }
-        if lengths.is_empty() {
+        if count == 0.0 {
             return None;
         }
-        let count = lengths.len() as f32;
         // A fraction of 0 is known no better than to a part of a ray; a sheet's is 0.
         let least = if region.is_thin() { 5e-4 } else { 0.05 / count };
         let passed = ((count - seen as f32) / count).max(least);
-        let footprint = raster.footprint();
-        Some(Self {
-            direction,
-            sigma: extinction(lengths, passed),
-            color: color * footprint,
-            weight: seen as f32 * footprint,
-            points: raster.seen((seen / points).max(1)).take(points).collect(),
-        })
+        let weight = seen as f32 * footprint;
+        let sigma = extinction(&self.lengths, count, length, passed);
+        Some(Sight { direction: frame.direction, sigma, color: mean * weight, weight })
     }
 }
 
-/// The σ at which mean exp(−σ l) over the lengths is `passed`.
-fn extinction(lengths: &[f32], passed: f32) -> f32 {
-    let count = lengths.len() as f32;
-    let mean = lengths.iter().sum::<f32>() / count;
+/// The σ at which mean exp(−σ l) over the `count` lengths that are not missed, which are `mean` long, is `passed`.
+fn extinction(lengths: &[f32], count: f32, mean: f32, passed: f32) -> f32 {
     let limit = 12.0 / mean;
-    // −ln mean exp(−σ l) is concave in σ and starts with slope `mean`: from below, Newton's method rises to
-    // the root without passing it.
+    // −ln mean exp(−σ l) is concave in σ and starts with slope `mean`.
     let wanted = passed.ln();
-    let mut sigma = -wanted / mean;
+    let mut sigma = smaller(-wanted / mean, limit);
     for _ in 0..6 {
-        let [value, slope] = transmittance(lengths, sigma);
-        let step = ((value / count).ln() - wanted) * value / slope;
+        let [value, slope, curve] = transmittance(lengths, sigma);
+        // Halley's method for f = ln mean exp(−σ l) − wanted.
+        let f = (value / count).ln() - wanted;
+        let speed = -slope / value;
+        let bend = curve / value - speed * speed;
+        let step = -2.0 * f * speed / (2.0 * speed * speed - f * bend);
         // NaN, where nothing passes at all, ends the search too.
-        let goes_on = step > 2e-3 * sigma && sigma < limit;
+        let goes_on = step.is_finite() && sigma < limit;
         if !goes_on {
             break;
         }
         sigma += step;
+        // The next step would be of the order of the cube of this one.
+        if step.abs() < 0.03 * sigma {
+            break;
+        }
     }
     if sigma.is_finite() { sigma.clamp(0.0, limit) } else { 0.0 }
 }
 
-/// Σ exp(−σ l) over the lengths, and Σ l exp(−σ l).
-fn transmittance(lengths: &[f32], sigma: f32) -> [f32; 2] {
+/// Σ exp(−σ l) over the lengths, Σ l exp(−σ l) and Σ l² exp(−σ l). As many lengths as make whole vectors.
+fn transmittance(lengths: &[f32], sigma: f32) -> [f32; 3] {
     const LANES: usize = 8;
-    let [mut values, mut slopes] = [[0.0_f32; LANES]; 2];
-    let mut chunks = lengths.chunks_exact(LANES);
-    for chunk in &mut chunks {
+    let [mut values, mut slopes, mut curves] = [[0.0_f32; LANES]; 3];
+    for chunk in lengths.chunks_exact(LANES) {
         for lane in 0..LANES {
             let value = exp_minus(sigma * chunk[lane]);
+            let slope = value * chunk[lane];
             values[lane] += value;
-            slopes[lane] += value * chunk[lane];
+            slopes[lane] += slope;
+            curves[lane] += slope * chunk[lane];
         }
     }
-    for (lane, &length) in chunks.remainder().iter().enumerate() {
-        let value = exp_minus(sigma * length);
-        values[lane] += value;
-        slopes[lane] += value * length;
-    }
-    [values.iter().sum(), slopes.iter().sum()]
+    [values, slopes, curves].map(|sums| sums.iter().sum())
 }
 
 /// exp(−x) for x ≥ 0, to a relative 3e-6; at least 2⁻¹²⁰. Written so that the compiler can do several at once.
@@ -150,7 +180,7 @@ fn transmittance(lengths: &[f32], sigma: f32) -> [f32; 2] {
 fn exp_minus(x: f32) -> f32 {
     // Adding 1.5·2²³ leaves the nearest integer in the low bits.
     const ROUND: f32 = 12_582_912.0;
-    let z = (-core::f32::consts::LOG2_E * x).max(-120.0);
+    let z = larger(-core::f32::consts::LOG2_E * x, -120.0);
     let shifted = z + ROUND;
     let f = z - (shifted - ROUND);
     // 2^f on [−½, ½]: its Taylor series in f ln 2.

@@ -17,7 +17,7 @@ const DIRECTIONS: usize = 6;
 const COARSE: usize = 5;
 
 /// The level whose openness finer voxels take over.
-const FINEST: usize = 6;
+const FINEST: usize = 5;
 
 /// Sets the openness of every voxel of every level.
 pub(crate) fn fill(texel: &mut Texel) {

@@ -32,6 +32,7 @@ pub(crate) struct Seen {
 /// One light for one visible point.
 struct Lit {
     cosine: f32,
+    cosine_over_phi: f32,
     /// Depth along the view, and unscaled depths towards the light where the view enters and leaves.
     view: f32,
     enter: f32,
@@ -65,7 +66,8 @@ pub(crate) fn kappa(voxel: &Voxel, triangles: &[[Vec3; 3]], seen: &[Seen], edge:
             density * chord * (1.0 - phi(q * chord * edge))
         };
         let view = voxel.depth_per_step(viewer) * (far - near);
-        lit.push(Lit { cosine, view, enter: depth_from(near), leave: depth_from(far) });
+        let cosine_over_phi = cosine / phi(view);
+        lit.push(Lit { cosine, cosine_over_phi, view, enter: depth_from(near), leave: depth_from(far) });
         all += cosine;
         if !is_blocked(triangles, triangle, point, light) {
             unblocked += cosine;
@@ -75,24 +77,35 @@ pub(crate) fn kappa(voxel: &Voxel, triangles: &[[Vec3; 3]], seen: &[Seen], edge:
     if unblocked >= 0.995 * all {
         return 0.0;
     }
-    let received = |kappa: f32| lit.iter().map(|lit| lit.cosine * lit.own(kappa)).sum::<f32>();
+    let received = |kappa: f32| lit.iter().map(|lit| lit.received(kappa)).sum::<f32>();
     // In small voxels κ over 1 would stand for noise.
     let mut range = [0.0, if edge < 0.05 { 1.0 } else { 3.0_f32 }];
     if received(range[1]) >= unblocked {
         return range[1];
     }
-    for _ in 0..7 {
-        let middle = 0.5 * (range[0] + range[1]);
-        range[usize::from(received(middle) < unblocked)] = middle;
+    // False position; an end that stays twice weighs half as much (Illinois).
+    let mut moved = None;
+    let mut off = [all, received(range[1])].map(|received| received - unblocked);
+    for _ in 0..4 {
+        let kappa = (range[0] * off[1] - range[1] * off[0]) / (off[1] - off[0]);
+        let here = received(kappa) - unblocked;
+        let side = usize::from(here < 0.0);
+        (range[side], off[side]) = (kappa, here);
+        if moved == Some(side) {
+            off[1 - side] *= 0.5;
+        }
+        moved = Some(side);
     }
-    0.5 * (range[0] + range[1])
+    let kappa = (range[0] * off[1] - range[1] * off[0]) / (off[1] - off[0]);
+    if kappa.is_finite() { kappa.clamp(range[0], range[1]) } else { range[0] }
 }
 
 impl Lit {
-    fn own(&self, kappa: f32) -> f32 {
+    /// cosine · own(κ)
+    fn received(&self, kappa: f32) -> f32 {
         let [enter, leave] = [kappa * self.enter, kappa * self.leave];
         // φ(x) grows without bound for negative x, but only as fast as e^−τ_A falls.
-        ((-enter).exp() * phi(self.view + leave - enter) / phi(self.view)).min(1.0)
+        ((-enter).exp() * phi(self.view + leave - enter) * self.cosine_over_phi).min(self.cosine)
     }
 }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 use pelage_geom::Symmetric3;
 
 use crate::Voxel;
+use crate::grid::{larger, smaller};
 use crate::packed::{snapped_box, snapped_normal, snapped_slab};
 use crate::voxelise::Polygon;
 
@@ -18,24 +19,15 @@ pub(crate) struct Region {
 
 impl Region {
     /// The region of the parts of triangles (voxel's frame) inside the voxel; `None` if no part is.
-    pub(crate) fn new(triangles: &[[Vec3; 3]], parts: &mut Vec<Vec3>) -> Option<Self> {
-        parts.clear();
-        let mut areas = Symmetric3::ZERO;
-        for &triangle in triangles {
-            if let Some(polygon) = Polygon::new(triangle).clipped_to_unit_cube() {
-                let doubled = polygon.doubled_area();
-                areas += Symmetric3::outer(doubled) * doubled.length().recip().min(f32::MAX);
-                parts.extend_from_slice(polygon.vertices());
-            }
-        }
-        let (&first, rest) = parts.split_first()?;
-        let normal = snapped_normal(if areas.is_finite() { areas.eigen().1.x_axis } else { Vec3::Z });
+    pub(crate) fn new(parts: &Parts) -> Option<Self> {
+        let (&first, rest) = parts.vertices.split_first()?;
+        let normal = snapped_normal(parts.normal());
         let mut region = Self { lo: first, hi: first, normal, slab: [normal.dot(first); 2] };
         for &p in rest {
             let height = normal.dot(p);
             region.lo = region.lo.min(p);
             region.hi = region.hi.max(p);
-            region.slab = [region.slab[0].min(height), region.slab[1].max(height)];
+            region.slab = [smaller(height, region.slab[0]), larger(height, region.slab[1])];
         }
         Some(region.thickened(Voxel::MIN_THICKNESS))
     }
@@ -66,5 +58,87 @@ impl Region {
     pub(crate) fn is_thin(&self) -> bool {
         //: slabs under .08 of an edge behave as sheets.
         self.slab[1] - self.slab[0] < 0.08
+    }
+    /// Whether it is no thicker than it has to be: all the matter lies in one plane.
+    pub(crate) fn is_planar(&self) -> bool {
+        // Rounding what is stored outwards takes under 2e-4 of an edge.
+        self.slab[1] - self.slab[0] < Voxel::MIN_THICKNESS + 5e-4
+    }
+}
+
+/// The parts of triangles inside a voxel, in its frame: convex polygons.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Parts {
+    vertices: Vec<Vec3>,
+    /// The triangle of each part, its vector area, and where its vertices end.
+    ends: Vec<(u32, Vec3, u32)>,
+    /// Σ area · n nᵀ.
+    areas: Symmetric3,
+}
+
+impl Parts {
+    /// Clips triangles to the unit cube.
+    pub(crate) fn clip(&mut self, triangles: &[[Vec3; 3]]) {
+        self.vertices.clear();
+        self.ends.clear();
+        self.areas = Symmetric3::ZERO;
+        for (id, &triangle) in (0..).zip(triangles) {
+            if let Some(polygon) = Polygon::new(triangle).clipped_to_unit_cube() {
+                let doubled = polygon.doubled_area();
+                self.areas += Symmetric3::outer(doubled) * doubled.length().recip().min(f32::MAX);
+                self.vertices.extend_from_slice(polygon.vertices());
+                self.ends.push((id, doubled, self.vertices.len() as u32));
+            }
+        }
+    }
+
+    /// Each part's triangle, twice its vector area, and its vertices.
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = (u32, Vec3, &[Vec3])> {
+        let mut start = 0;
+        self.ends.iter().map(move |&(id, doubled, end)| {
+            let vertices = &self.vertices[start..end as usize];
+            start = end as usize;
+            (id, doubled, vertices)
+        })
+    }
+
+    /// The dominant normal: the eigenvector of the largest eigenvalue of Σ area · n nᵀ, by squaring the matrix. Where
+    /// the two largest are so close (2 %) that 2⁸ do not part them, neither is dominant.
+    fn normal(&self) -> Vec3 {
+        let mut power = self.areas;
+        for _ in 0..8 {
+            power = power * power.trace().recip();
+            let Symmetric3 { xx, yy, zz, xy, xz, yz } = power;
+            power = Symmetric3 {
+                xx: xx * xx + xy * xy + xz * xz,
+                yy: xy * xy + yy * yy + yz * yz,
+                zz: xz * xz + yz * yz + zz * zz,
+                xy: xx * xy + xy * yy + xz * yz,
+                xz: xx * xz + xy * yz + xz * zz,
+                yz: xy * xz + yy * yz + yz * zz,
+            };
+        }
+        let columns = power.to_mat3();
+        let columns = [columns.x_axis, columns.y_axis, columns.z_axis];
+        let longest = columns.into_iter().fold(Vec3::ZERO, |a, b| {
+            if b.length_squared() > a.length_squared() { b } else { a }
+        });
+        longest.try_normalize().unwrap_or(Vec3::Z)
+    }
+
+    /// Whether the parts are faces of one convex body, oriented outwards: each has all others behind it. Only
+    /// asked of a few; `false` for many.
+    pub(crate) fn are_convex(&self, triangles: &[[Vec3; 3]]) -> bool {
+        // Comparing each with each costs less than what it may save, up to here.
+        const FEW: usize = 8;
+        // Rounding of a vertex in the plane of its own face, in voxel edges.
+        const FLAT: f32 = 1e-4;
+        self.ends.len() <= FEW
+            && self.ends.iter().all(|&(id, ..)| {
+                let [a, b, c] = triangles[id as usize];
+                let normal = (b - a).cross(c - a);
+                let height = normal.dot(a) + FLAT * normal.length();
+                self.vertices.iter().all(|&v| normal.dot(v) <= height)
+            })
     }
 }

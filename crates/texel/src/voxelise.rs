@@ -9,6 +9,7 @@ use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::bricks::{demorton, morton};
+use crate::grid::{larger, smaller};
 
 /// Parts of triangles below this area, in squares of the finest voxel's edge, are dropped.
 const MIN_AREA: f32 = 1e-10;
@@ -130,19 +131,19 @@ impl Cells {
 /// A convex polygon: a triangle cut by at most six planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polygon {
-    vertices: [Vec3; 12],
+    vertices: [Vec3; 9],
     len: usize,
 }
 
 impl Polygon {
     pub(crate) fn new(triangle: [Vec3; 3]) -> Self {
-        let mut vertices = [Vec3::ZERO; 12];
+        let mut vertices = [Vec3::ZERO; 9];
         vertices[..3].copy_from_slice(&triangle);
         Self { vertices, len: 3 }
     }
 
     fn empty() -> Self {
-        Self { vertices: [Vec3::ZERO; 12], len: 0 }
+        Self { vertices: [Vec3::ZERO; 9], len: 0 }
     }
 
     fn push(&mut self, vertex: Vec3) {
@@ -166,11 +167,11 @@ impl Polygon {
     /// Bounds along an axis.
     fn extent(&self, axis: usize) -> [f32; 2] {
         let v = self.vertices().iter().map(|v| v[axis]);
-        v.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+        v.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], v| [smaller(v, low), larger(v, high)])
     }
 
     /// The parts below and above the plane `axis = at`.
-    pub(crate) fn split(&self, axis: usize, at: f32) -> [Self; 2] {
+    fn split(&self, axis: usize, at: f32) -> [Self; 2] {
         let [mut below, mut above] = [Self::empty(), Self::empty()];
         let v = self.vertices();
         for (i, &b) in v.iter().enumerate() {
@@ -192,6 +193,29 @@ impl Polygon {
         [below, above]
     }
 
+    /// The part of the polygon where `sign · (coordinate − at) ≥ 0`, `sign` being 1 or −1.
+    fn cut(&self, axis: usize, at: f32, sign: f32) -> Self {
+        let mut kept = Self::empty();
+        let v = self.vertices();
+        let Some(mut a) = v.last() else {
+            return kept;
+        };
+        let mut da = sign * (a[axis] - at);
+        for b in v {
+            let db = sign * (b[axis] - at);
+            if da * db < 0.0 {
+                let mut cut = *a + (*b - *a) * (da / (da - db));
+                cut[axis] = at;
+                kept.push(cut);
+            }
+            if db >= 0.0 {
+                kept.push(*b);
+            }
+            (a, da) = (b, db);
+        }
+        kept
+    }
+
     /// The part inside the unit cube, if it has any.
     pub(crate) fn clipped_to_unit_cube(mut self) -> Option<Self> {
         for axis in 0..3 {
@@ -200,10 +224,10 @@ impl Polygon {
                 return None;
             }
             if low < 0.0 {
-                self = self.split(axis, 0.0)[1];
+                self = self.cut(axis, 0.0, 1.0);
             }
             if high > 1.0 {
-                self = self.split(axis, 1.0)[0];
+                self = self.cut(axis, 1.0, -1.0);
             }
             if self.len < 3 {
                 return None;

@@ -45,6 +45,7 @@ impl Loaded {
                 let options = SkinOptions {
                     tiling: skin.tiling.or_else(without_uvs),
                     aspect: skin.aspect,
+                    lean: skin.lean.into(),
                     folds: skin.folds,
                     ..SkinOptions::new(height)
                 };

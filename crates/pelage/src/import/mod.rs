@@ -7,7 +7,6 @@ mod error;
 mod files;
 mod gltf;
 mod image;
-mod mtl;
 mod obj;
 mod weld;
 

@@ -81,6 +81,9 @@ pub struct SkinEntry {
     /// Metres; by default 6 % of half the diagonal of the meshes that wear it.
     #[serde(default)]
     pub height: Option<f32>,
+    /// Tilts all of it the same way, as wind or weight would; a length of 1 tilts by 45°.
+    #[serde(default)]
+    pub lean: [f32; 3],
     /// Copies of the texel per unit of texture coordinates (per face side where there are none).
     #[serde(default)]
     pub tiling: Option<f32>,
@@ -105,6 +108,7 @@ impl Default for SkinEntry {
             on: Vec::new(),
             texel: TexelEntry::default(),
             height: None,
+            lean: [0.0; 3],
             tiling: None,
             aspect: wide(),
             tint: white(),

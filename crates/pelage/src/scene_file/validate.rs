@@ -50,6 +50,9 @@ fn geometry(table: &Table, entry: &GeometryEntry) -> Result<(), FieldError> {
 
 fn skin(table: &Table, entry: &SkinEntry) -> Result<(), FieldError> {
     table.positive("height", entry.height.unwrap_or(1.0))?;
+    for part in entry.lean {
+        table.within("lean", part, -50.0..=50.0)?;
+    }
     table.positive("tiling", entry.tiling.unwrap_or(1.0))?;
     table.positive("aspect", entry.aspect)?;
     table.color("tint", &entry.tint)
