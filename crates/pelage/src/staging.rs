@@ -69,7 +69,7 @@ pub fn sky() -> Environment {
 
 /// What a matt white surface in full light is exposed to: over 1, because a coat lies half in its own shadow; the
 /// filmic curve brings it back to 92 % of a screen's white.
-const WHITE: f32 = 1.6;
+pub(crate) const WHITE: f32 = 1.6;
 
 /// The exposure at which a matt white surface at `centre`, turned to each light in turn and to the sky, comes to 1.6.
 ///

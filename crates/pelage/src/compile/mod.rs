@@ -330,9 +330,9 @@ mod tests {
         assert_eq!(sky, staging::sky());
         let (black, _) = lights("[[light]]\npoint = { position = [1, 9, 0], intensity = [1, 1, 1] }\n");
         assert_eq!(black, Environment::BLACK);
-        // A white surface under a white sky of radiance 1 is shown as 1 without sun; a stop doubles that.
+        // A white surface under a white sky of radiance 1 needs no exposure but its own; a stop doubles that.
         let white = "[environment]\nsky = [1, 1, 1]\nground = [1, 1, 1]\n";
-        assert!((lights(white).1 - 1.0).abs() < 1e-6);
+        assert!((lights(white).1 - staging::WHITE).abs() < 1e-6);
         assert!((lights("[render]\nexposure = 1\n").1 / exposure - 2.0).abs() < 1e-6);
     }
 }
