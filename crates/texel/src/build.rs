@@ -70,9 +70,9 @@ impl BuildOptions {
             7.. => (ICOSAHEDRON.as_slice(), fine, 1),
             6 => (ICOSAHEDRON.as_slice(), fine, 2),
             5 => (ICOSAHEDRON.as_slice(), coarse, 3),
-            3..5 => (SIXTEEN.as_slice(), coarse, 4),
-            2 => (SIXTEEN.as_slice(), 4 * coarse, 8),
-            ..2 => (SIXTEEN.as_slice(), 8 * coarse, 8),
+            3..5 => (SIXTEEN.as_slice(), coarse, 2),
+            2 => (SIXTEEN.as_slice(), 4 * coarse, 4),
+            ..2 => (SIXTEEN.as_slice(), 8 * coarse, 4),
         };
         Sampling { frames: directions.iter().map(|&d| Frame::new(d)).collect(), side, points }
     }

@@ -97,17 +97,26 @@ impl View {
         let (count, length, seen, mean, footprint);
         if side <= Silhouette::SIDE {
             // Each direction's colour from this many rays, where the matter has several.
-            const COLORS: u32 = 4;
+            const COLORS: usize = 4;
             self.silhouette.draw(region, parts, frame, side);
             (count, length) = self.silhouette.grid.lengths(&mut self.lengths);
             seen = self.silhouette.seen_count();
-            mean = color.unwrap_or_else(|| {
-                let hits = self.silhouette.hits(triangles, COLORS);
-                let (sum, n) =
-                    hits.fold((Vec3::ZERO, 0.0), |(s, n), (.., hits)| (s + mean_color(&hits), n + 1.0));
-                sum / f32::max(n, 1.0)
-            });
-            kept.extend(self.silhouette.seen(triangles, points as u32));
+            let wanted = if color.is_some() { points } else { points.max(COLORS) };
+            let [mut sum, mut n] = [Vec3::ZERO, Vec3::ZERO];
+            for (i, (row, column, hits)) in self.silhouette.hits(triangles, wanted as u32).enumerate() {
+                sum += mean_color(&hits);
+                n += 1.0;
+                // Evenly `points` of all that are wanted; from one end and the other in turn.
+                if i * points % wanted < points {
+                    kept.push(hits.seen(
+                        &self.silhouette.grid,
+                        row,
+                        column,
+                        (i * points / wanted).is_multiple_of(2),
+                    ));
+                }
+            }
+            mean = color.unwrap_or(sum / n.max(Vec3::ONE));
             footprint = self.silhouette.grid.footprint();
         } else {
             self.raster.draw(region, triangles, frame, side);
@@ -115,9 +124,8 @@ impl View {
             let (sum, n) =
                 self.raster.crossing().fold((Vec3::ZERO, 0), |(s, n), hits| (s + mean_color(hits), n + 1));
             (seen, mean) = (n, sum / n.max(1) as f32);
-            if points > 0 {
-                kept.extend(self.raster.seen((seen as usize / points).max(1)).take(points));
-            }
+            let every = (seen as usize / points.max(1)).max(1);
+            kept.extend(self.raster.seen(every).take(points));
             footprint = self.raster.grid.footprint();
         }
         if count == 0.0 {
@@ -135,9 +143,9 @@ impl View {
 /// The σ at which mean exp(−σ l) over the `count` lengths that are not missed, which are `mean` long, is `passed`.
 fn extinction(lengths: &[f32], count: f32, mean: f32, passed: f32) -> f32 {
     let limit = 12.0 / mean;
-    // −ln mean exp(−σ l) is concave in σ and starts with slope `mean`.
     let wanted = passed.ln();
-    let mut sigma = smaller(-wanted / mean, limit);
+    // The root for lengths of a gamma distribution of shape 3, which those of a box resemble.
+    let mut sigma = smaller(3.0 * (exp_minus(-wanted / 3.0).recip() - 1.0) / mean, limit);
     for _ in 0..6 {
         let [value, slope, curve] = transmittance(lengths, sigma);
         // Halley's method for f = ln mean exp(−σ l) − wanted.
@@ -145,14 +153,14 @@ fn extinction(lengths: &[f32], count: f32, mean: f32, passed: f32) -> f32 {
         let speed = -slope / value;
         let bend = curve / value - speed * speed;
         let step = -2.0 * f * speed / (2.0 * speed * speed - f * bend);
-        // NaN, where nothing passes at all, ends the search too.
-        let goes_on = step.is_finite() && sigma < limit;
-        if !goes_on {
+        // NaN, where nothing passes at all, ends the search.
+        if !step.is_finite() {
             break;
         }
-        sigma += step;
-        // The next step would be of the order of the cube of this one.
-        if step.abs() < 0.03 * sigma {
+        let before = sigma;
+        sigma = (sigma + step).clamp(0.1 * sigma, limit);
+        // The next step would be of the order of the cube of this one; at the limit there is none.
+        if (sigma - before).abs() <= 0.08 * sigma {
             break;
         }
     }

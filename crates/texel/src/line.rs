@@ -46,8 +46,7 @@ impl Line {
         let (a, b) = ((lo - p) * self.inverse, (hi - p) * self.inverse);
         let enter = a.min(b).max_element().max(range[0]);
         let leave = a.max(b).min_element().min(range[1]);
-        // Negated, so that NaN misses too.
-        if !(enter < leave) {
+        if enter >= leave {
             return None;
         }
         let (normal, [low, high]) = packed.region_slab();

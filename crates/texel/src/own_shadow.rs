@@ -42,7 +42,7 @@ struct Lit {
 /// κ of a voxel of edge `edge` (texel units) with these triangles, from points seen of it.
 pub(crate) fn kappa(voxel: &Voxel, triangles: &[[Vec3; 3]], seen: &[Seen], edge: f32, seed: u64) -> f32 {
     let random = &mut Random::new(seed, 0x5ad0);
-    let mut lit = Vec::with_capacity(seen.len());
+    let mut lights = Vec::with_capacity(seen.len());
     let [mut all, mut unblocked] = [0.0_f32; 2];
     for &Seen { point, triangle, viewer } in seen {
         let [a, b, c] = triangles[triangle as usize];
@@ -54,20 +54,7 @@ pub(crate) fn kappa(voxel: &Voxel, triangles: &[[Vec3; 3]], seen: &[Seen], edge:
         let light = around.extend(z);
         let light = if light.dot(normal) < 0.0 { -light } else { light };
         let cosine = normal.dot(light);
-        let all_of_it = [f32::NEG_INFINITY, f32::INFINITY];
-        let Some([near, far]) = voxel.clip(point, -viewer, all_of_it) else {
-            continue;
-        };
-        let density = voxel.depth_per_step(light);
-        let q = (light - viewer).length() / (0.02 + 0.2 * edge);
-        let depth_from = |along: f32| {
-            let from = point - viewer * along;
-            let chord = voxel.clip(from, light, all_of_it).map_or(0.0, |[_, end]| end.max(0.0));
-            density * chord * (1.0 - phi(q * chord * edge))
-        };
-        let view = voxel.depth_per_step(viewer) * (far - near);
-        let cosine_over_phi = cosine / phi(view);
-        lit.push(Lit { cosine, cosine_over_phi, view, enter: depth_from(near), leave: depth_from(far) });
+        lights.push((light, cosine));
         all += cosine;
         if !is_blocked(triangles, triangle, point, light) {
             unblocked += cosine;
@@ -77,6 +64,9 @@ pub(crate) fn kappa(voxel: &Voxel, triangles: &[[Vec3; 3]], seen: &[Seen], edge:
     if unblocked >= 0.995 * all {
         return 0.0;
     }
+    let each = seen.iter().zip(lights);
+    let lit: Vec<Lit> =
+        each.filter_map(|(seen, (light, cosine))| Lit::new(voxel, seen, light, cosine, edge)).collect();
     let received = |kappa: f32| lit.iter().map(|lit| lit.received(kappa)).sum::<f32>();
     // In small voxels κ over 1 would stand for noise.
     let mut range = [0.0, if edge < 0.05 { 1.0 } else { 3.0_f32 }];
@@ -101,6 +91,23 @@ pub(crate) fn kappa(voxel: &Voxel, triangles: &[[Vec3; 3]], seen: &[Seen], edge:
 }
 
 impl Lit {
+    /// `None` where rounding puts the point outside the region.
+    fn new(voxel: &Voxel, seen: &Seen, light: Vec3, cosine: f32, edge: f32) -> Option<Self> {
+        let Seen { point, viewer, .. } = *seen;
+        let line = [f32::NEG_INFINITY, f32::INFINITY];
+        let [near, far] = voxel.clip(point, -viewer, line)?;
+        let density = voxel.depth_per_step(light);
+        let q = (light - viewer).length() / (0.02 + 0.2 * edge);
+        let depth_from = |along: f32| {
+            let from = point - viewer * along;
+            let chord = voxel.clip(from, light, line).map_or(0.0, |[_, end]| end.max(0.0));
+            density * chord * (1.0 - phi(q * chord * edge))
+        };
+        let view = voxel.depth_per_step(viewer) * (far - near);
+        let cosine_over_phi = cosine / phi(view);
+        Some(Self { cosine, cosine_over_phi, view, enter: depth_from(near), leave: depth_from(far) })
+    }
+
     /// cosine · own(κ)
     fn received(&self, kappa: f32) -> f32 {
         let [enter, leave] = [kappa * self.enter, kappa * self.leave];
@@ -125,12 +132,14 @@ fn is_blocked(triangles: &[[Vec3; 3]], own: u32, point: Vec3, light: Vec3) -> bo
     (0..).zip(triangles).any(|(id, &[a, b, c])| {
         let [ab, ac] = [b - a, c - a];
         let p = light.cross(ac);
-        let inverse = ab.dot(p).recip();
-        let s = point - a;
-        let u = s.dot(p) * inverse;
+        let det = ab.dot(p);
+        let s = (point - a) * det.signum();
+        let [det, u] = [det.abs(), s.dot(p)];
+        if u < 0.0 || u > det {
+            return false;
+        }
         let q = s.cross(ab);
-        let v = light.dot(q) * inverse;
-        let t = ac.dot(q) * inverse;
-        id != own && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > NEAREST && t < reach
+        let [v, t] = [light.dot(q), ac.dot(q)];
+        id != own && v >= 0.0 && u + v <= det && t > NEAREST * det && t < reach * det
     })
 }

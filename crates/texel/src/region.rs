@@ -120,9 +120,9 @@ impl Parts {
         }
         let columns = power.to_mat3();
         let columns = [columns.x_axis, columns.y_axis, columns.z_axis];
-        let longest = columns.into_iter().fold(Vec3::ZERO, |a, b| {
-            if b.length_squared() > a.length_squared() { b } else { a }
-        });
+        let longest = columns
+            .into_iter()
+            .fold(Vec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
         longest.try_normalize().unwrap_or(Vec3::Z)
     }
 

@@ -2,7 +2,7 @@
 //!
 //! The hot loop of the builder: at fine levels a voxel holds a few pieces of triangles, and there are hundreds
 //! of thousands of voxels. Pieces are clipped to the voxel beforehand, so covering a ray is being hit by it, and
-//! are convex: a ray is inside where all edge functions [Pineda88] are positive, so the least of them over the
+//! are convex: a ray is inside where all edge functions are positive, so the least of them over the
 //! edges of a piece, and of that the greatest over the pieces, says for every ray whether it hits. No branch
 //! depends on the content. Which piece is first or last is found for the few rays that colours and own shadows
 //! are measured at.
@@ -10,7 +10,6 @@
 use glam::{Vec2, Vec3};
 
 use crate::grid::{Frame, Grid, LANE, LANES, larger, offset, smaller};
-use crate::own_shadow::Seen;
 use crate::raster::Hits;
 use crate::region::{Parts, Region};
 
@@ -63,16 +62,20 @@ impl Silhouette {
             };
             let turn = facing.signum();
             let mut a = project(last);
+            let [mut low, mut high] = [a.y; 2];
             self.edges.extend(vertices.iter().map(|&vertex| {
                 let b = project(vertex);
                 let slope = turn * Vec2::new(a.y - b.y, b.x - a.x);
                 let base = -slope.dot(a);
+                (low, high) = (smaller(b.y, low), larger(b.y, high));
                 a = b;
                 Edge { slope, base }
             }));
             self.drawn.push(Drawn { triangle, end: self.edges.len() as u32 });
             let edges = &self.edges[start..];
-            for (row, inside) in inside.iter_mut().enumerate() {
+            // The rows whose middles it spans; conversion rounds towards 0 and stops there.
+            let rows = (low + 0.5) as usize..((high + 0.5) as usize).min(inside.len());
+            for row in rows {
                 let mut least = [f32::INFINITY; LANES];
                 let from = Vec2::new(OFFSETS[row], row as f32 + 0.5);
                 for edge in edges {
@@ -81,6 +84,7 @@ impl Silhouette {
                         least[lane] = smaller(first + edge.slope.x * LANE[lane], least[lane]);
                     }
                 }
+                let inside = &mut inside[row];
                 for lane in 0..LANES {
                     inside[lane] = larger(least[lane], inside[lane]);
                 }
@@ -106,19 +110,13 @@ impl Silhouette {
     ) -> impl Iterator<Item = (usize, usize, Hits)> + 'a {
         let every = (self.seen_count() / count.max(1)).max(1);
         // From the middle of the first stretch, so that a few rays are not all from one border.
-        let rays = set_bits(self.covered).skip(every as usize / 2).step_by(every as usize).take(count as usize);
+        let rays =
+            set_bits(self.covered).skip(every as usize / 2).step_by(every as usize).take(count as usize);
         rays.map(|ray| {
             let [row, column] = [ray / LANES, ray % LANES];
             (row, column, self.hits_of(triangles, Vec2::new(column as f32 + offset(row), row as f32 + 0.5)))
         })
         .filter(|(_, _, hits)| hits.any())
-    }
-
-    /// What up to `count` rays see, from one end and the other in turn.
-    pub(crate) fn seen<'a>(&'a self, triangles: &'a [[Vec3; 3]], count: u32) -> impl Iterator<Item = Seen> + 'a {
-        self.hits(triangles, count)
-            .enumerate()
-            .map(|(i, (row, column, hits))| hits.seen(&self.grid, row, column, i % 2 == 0))
     }
 
     /// What the ray at a point of the grid hits.

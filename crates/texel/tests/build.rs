@@ -138,8 +138,8 @@ fn content_wraps() {
     for d in [Vec3::new(0.0, 0.0, -1.0), Vec3::new(0.7, 0.2, -1.0), Vec3::new(-2.0, 1.0, -1.0)] {
         for level in 0..=5 {
             let [a, b] = [&a, &b].map(|texel| transmittance(texel, level, d));
-            // Level 0 is one voxel, cut out of the content elsewhere: it sees other gaps from its sides.
-            let tolerance = if level == 0 { 0.06 } else { 0.015 };
+            // Levels 0 and 1 are a few voxels, cut out of the content elsewhere: they see other gaps from their sides.
+            let tolerance = if level < 2 { 0.03 } else { 0.015 };
             assert!((a - b).abs() < tolerance, "level {level}, {d}: {a} {b}");
         }
     }

@@ -268,6 +268,6 @@ mod tests {
             assert!(chords.iter().all(|c| c.at.iter().all(|p| p.is_finite())));
             most = most.max(chords.len());
         }
-        assert!(most <= 6 * MAX_CHORDS << MOST_HALVINGS);
+        assert!(most <= (6 * MAX_CHORDS) << MOST_HALVINGS);
     }
 }
