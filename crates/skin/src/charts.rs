@@ -1,8 +1,9 @@
 //! The charts of a surface: the islands that its texture coordinates fall into.
 //!
 //! An atlas gives its charts what room it has, so a copy of the texel would change its size from chart to chart,
-//! visibly at every seam. Where nobody asks for a tiling, each chart gets its own; inside a chart nothing
-//! changes, and between charts the texel was not continuous before.
+//! visibly at every seam. Where nobody asks for a tiling, each chart gets its own; between charts the texel was not
+//! continuous before. Where a chart is stretched to more than twice its mean, its copies are halved in size there (and
+//! again, octave by octave): at that border strands are cut, but strands of three times the size would show more.
 
 use std::collections::HashMap;
 
@@ -13,6 +14,8 @@ pub(crate) struct Charts {
     of_polygon: Vec<u32>,
     /// Units of texture coordinates per metre, by chart; 0 where a chart has no area.
     density: Vec<f64>,
+    /// By how much the copies on a polygon are finer than on the rest of its chart: a power of two.
+    finer: Vec<f64>,
 }
 
 impl Charts {
@@ -40,13 +43,37 @@ impl Charts {
                 *area += polygon.area_vector(&surface.positions).length();
             }
         }
-        let density = areas.into_iter().map(|(uv, area)| ratio(uv, area)).collect();
-        Self { of_polygon, density }
+        let density: Vec<f64> = areas.into_iter().map(|(uv, area)| ratio(uv, area)).collect();
+
+        // The density around a vertex: single polygons scatter, and would border on each other in patches.
+        let mut around: HashMap<(u32, u32), (f64, f64)> = HashMap::new();
+        for (polygon, &chart) in polygons.iter().zip(&of_polygon) {
+            let here = (uv_area_of(polygon), polygon.area_vector(&surface.positions).length());
+            for &vertex in polygon.corners() {
+                let (uv_area, area) = around.entry((vertex, chart)).or_default();
+                *uv_area += here.0;
+                *area += here.1;
+            }
+        }
+        let finer = (polygons.iter().zip(&of_polygon))
+            .map(|(polygon, &chart)| {
+                let corners = polygon.corners().iter().filter_map(|&v| around.get(&(v, chart)));
+                let (uv_area, area) = corners.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+                let octaves = (density[chart as usize] / ratio(uv_area, area)).log2();
+                if octaves.is_finite() { octaves.trunc().clamp(-4.0, 4.0).exp2() } else { 1.0 }
+            })
+            .collect();
+        Self { of_polygon, density, finer }
     }
 
     /// The density of the chart that polygon `index` belongs to.
     pub fn density(&self, index: usize) -> f64 {
         self.density[self.of_polygon[index] as usize]
+    }
+
+    /// By how much the copies on polygon `index` are finer than its chart's density asks for.
+    pub fn finer(&self, index: usize) -> f64 {
+        self.finer[index]
     }
 }
 

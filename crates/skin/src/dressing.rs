@@ -86,6 +86,16 @@ impl Plan {
         Self::Uv { tiling, copy_width }
     }
 
+    /// The same with `factor` times as many copies, where they come from texture coordinates.
+    fn finer(self, factor: f64) -> Self {
+        match self {
+            Self::Uv { tiling, copy_width } => {
+                Self::Uv { tiling: tiling * factor, copy_width: copy_width / factor }
+            }
+            Self::PerPatch { .. } => self,
+        }
+    }
+
     /// Copies of the texel per unit of texture coordinates, or per patch side.
     pub fn tiling(&self) -> f64 {
         match *self {
@@ -150,8 +160,8 @@ pub(crate) fn dress(
 ) -> (Vec<Patch>, Vec<[Vec2; 4]>) {
     let uv_by_chart = options.tiling.is_none() && matches!(plan, Plan::Uv { .. });
     let charts = uv_by_chart.then(|| Charts::new(surface));
-    let plan_of = |i: usize| match charts.as_ref().map(|charts| charts.density(i)) {
-        Some(density) if density > 0.0 => Plan::uv(density, options),
+    let plan_of = |i: usize| match charts.as_ref().map(|charts| (charts.density(i), charts.finer(i))) {
+        Some((density, finer)) if density > 0.0 => Plan::uv(density, options).finer(finer),
         _ => plan,
     };
     let dressed: Vec<Dressed> = (surface.polygons.par_iter().enumerate())

@@ -267,3 +267,38 @@ fn charts_of_an_atlas_get_copies_of_one_size() {
     let copies: Vec<f32> = skin.patches.iter().map(|p| p.lattice.determinant().abs()).collect();
     assert!((copies[0] - 25.0).abs() < 1e-3 && (copies[1] - 1.0).abs() < 1e-3, "{copies:?}");
 }
+
+#[test]
+fn stretched_parts_of_a_chart_get_finer_copies() {
+    // A strip of ten unit squares in one chart, the last four stretched.
+    let mut mesh = surface::plane(10.0, 10, 1);
+    for p in &mut mesh.positions {
+        p.z *= 0.1;
+    }
+    let widths = [0.1_f32, 0.1, 0.1, 0.1, 0.1, 0.1, 0.02, 0.02, 0.02, 0.02];
+    let mut left = 0.0;
+    let uvs = widths.map(|w| {
+        let x = left;
+        left += w;
+        // Sides of 0.1 and w: density √(0.1 w) per metre: 0.1, and 0.0447 in the stretched part.
+        [(x, 0.0), (left, 0.0), (left, 0.1), (x, 0.1)].map(|(u, v)| Vec2::new(u, v))
+    });
+    mesh.uvs = Some(uvs.to_vec());
+    // Mean density √((6·0.01 + 4·0.002)/10) = 0.0825, so tiling is 1/(0.0825·0.5) = 24: the stretched part has
+    // log₂(0.0825/0.0447) = 0.88 octaves less, within one: no polygon changes.
+    let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.5)).unwrap();
+    let sides: Vec<f32> = skin.patches.iter().map(|p| p.lattice.v.length()).collect();
+    assert!(sides.iter().all(|s| (s - sides[0]).abs() < 1e-4), "{sides:?}");
+    // Four times narrower still, 0.005: density 0.0224 against 0.0787, 1.8 octaves: copies twice as fine there.
+    let mut uvs = mesh.uvs.take().unwrap();
+    let mut left = 0.6;
+    for (uv, w) in uvs.iter_mut().skip(6).zip([0.005_f32; 4]) {
+        *uv = [(left, 0.0), (left + w, 0.0), (left + w, 0.1), (left, 0.1)].map(|(u, v)| Vec2::new(u, v));
+        left += w;
+    }
+    mesh.uvs = Some(uvs);
+    let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.5)).unwrap();
+    let sides: Vec<f32> = skin.patches.iter().map(|p| p.lattice.v.length()).collect();
+    assert!((sides[9] / sides[0] - 2.0).abs() < 1e-3, "{sides:?}");
+    assert!(sides.iter().all(|s| [1.0, 2.0].iter().any(|k| (s / sides[0] - k).abs() < 1e-3)), "{sides:?}");
+}
