@@ -53,3 +53,32 @@ fn white_in_white_surroundings_is_white() {
         assert!(film.pixels.iter().any(|p| p.alpha > 0.3));
     }
 }
+
+#[test]
+fn no_light_comes_through_the_ground() {
+    // A sun from below an opaque plane on which the coat stands: everything above it is black.
+    use pelage::tracer::{Coat, Description, Environment, Light, Scene};
+    let mesh = surface::plane(6.0, 12, 12);
+    let skin = extrude(&mesh, &|_| true, &SkinOptions::per_patch(0.5)).expect("a plane extrudes");
+    let coat = Coat { skin, texel: texel(&blades(80, 5), 5, true), tint: Vec3::ONE, wears_material: false };
+    let light = Light::Directional {
+        direction: Vec3::new(0.3, 1.0, 0.2),
+        illuminance: Vec3::splat(3.0),
+        angle: 0.01,
+    };
+    let scene = Scene::new(Description {
+        meshes: vec![mesh],
+        coats: vec![coat],
+        materials: vec![],
+        textures: vec![],
+        lights: vec![light],
+        environment: Environment::BLACK,
+    })
+    .expect("a sound scene");
+    for lod in [Lod::default(), Lod::Level(0), Lod::Level(4)] {
+        let film = picture(&scene, &view(4.0), &Settings { size: [48, 48], lod, ..Settings::default() });
+        let brightest = film.pixels.iter().map(|p| p.color.max_element()).fold(0.0, f32::max);
+        println!("{lod:?}: brightest {brightest}");
+        assert!(brightest < 1e-6, "{lod:?}: {brightest}");
+    }
+}

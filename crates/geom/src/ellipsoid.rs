@@ -142,9 +142,21 @@ pub struct VisibleNormals {
     direction: Vec3,
 }
 
+/// Two unit vectors across `w` that turn smoothly with it except at −Z, from where a coat is never seen: few sample
+/// points turn with their frame, and a frame that jumps would show.
+fn across(w: Vec3) -> [Vec3; 2] {
+    if w.z < -0.9999 {
+        let (e1, e2) = w.any_orthonormal_pair();
+        return [e1, e2];
+    }
+    let a = -1.0 / (1.0 + w.z);
+    let b = w.x * w.y * a;
+    [Vec3::new(1.0 + w.x * w.x * a, b, -w.x), Vec3::new(b, 1.0 + w.y * w.y * a, -w.y)]
+}
+
 impl VisibleNormals {
     fn new(s: Symmetric3, w: Vec3) -> Self {
-        let (e1, e2) = w.any_orthonormal_pair();
+        let [e1, e2] = across(w);
         let (sw, s1, s2) = (s.mul_vec3(w), s.mul_vec3(e1), s.mul_vec3(e2));
         let [s11, s22, s12] = [e1.dot(s1), e2.dot(s2), e1.dot(s2)];
         let shown = w.dot(sw).max(0.0).sqrt();

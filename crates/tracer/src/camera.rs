@@ -1,6 +1,6 @@
 //! A pinhole camera, and the cone of each of its pixels. [seed §4.2]
 
-use glam::{DVec3, Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use pelage_geom::{Cone, Ray};
 
 /// A pinhole camera.
@@ -45,8 +45,7 @@ impl Camera {
     /// at half integers), and the cone of one pixel around it.
     pub fn cone(&self, pixel: Vec2, size: [u32; 2]) -> (Ray, Cone) {
         let rows = size[1] as f32;
-        let half_height = (0.5 * self.vertical_fov).tan();
-        let scale = 2.0 * half_height / rows;
+        let scale = 2.0 * (0.5 * self.vertical_fov).tan() / rows;
         let x = (pixel.x - 0.5 * size[0] as f32) * scale;
         let y = (0.5 * rows - pixel.y) * scale;
         let direction = (self.orientation * Vec3::new(x, y, -1.0)).as_dvec3().normalize();
@@ -56,10 +55,5 @@ impl Camera {
             Ray { origin: self.position.as_dvec3(), direction },
             Cone { width: 0.0, spread: f64::from(scale) * cosine },
         )
-    }
-
-    /// The depth of `point` along the view axis, in scene units.
-    pub fn depth(&self, point: DVec3) -> f64 {
-        (point - self.position.as_dvec3()).dot(self.forward().as_dvec3())
     }
 }

@@ -1,5 +1,7 @@
 //! Lights, in the units of glTF's KHR_lights_punctual, and the light of the sky. [KHRLights]
 
+use std::f32::consts::{FRAC_PI_2, PI};
+
 use glam::Vec3;
 
 /// A light with a place or a direction.
@@ -33,7 +35,7 @@ pub enum Light {
         intensity: Vec3,
         /// Half angle within which the light is full, in radians.
         inner: f32,
-        /// Half angle beyond which there is none, in radians; over `inner`, at most π/2.
+        /// Half angle beyond which there is none, in radians; at least `inner`, at most π/2.
         outer: f32,
         /// Radius in scene units: widens the shadow cones.
         radius: f32,
@@ -76,7 +78,20 @@ impl Light {
         if direction.is_some_and(|d| d.try_normalize().is_none()) {
             return Err("its direction has no length");
         }
-        Ok(())
+        match *self {
+            Self::Directional { angle, .. } if !(0.0..PI).contains(&angle) => {
+                Err("its angle must lie in [0, π)")
+            }
+            Self::Point { radius, .. } | Self::Spot { radius, .. } if radius < 0.0 => {
+                Err("its radius is negative")
+            }
+            Self::Spot { inner, outer, .. }
+                if !(0.0 <= inner && inner <= outer && outer <= FRAC_PI_2 + 1e-4) =>
+            {
+                Err("its cone must have 0 ≤ inner ≤ outer ≤ π/2")
+            }
+            _ => Ok(()),
+        }
     }
 
     /// What arrives at `point`; `None` where the light does not shine.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use glam::{Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::cone::composite::{SeenVoxel, View};
@@ -121,8 +121,12 @@ fn check(camera: &Camera, settings: &Settings) -> Result<Rect, RenderError> {
     {
         return bad("crop", format!("{window:?} is not inside a picture of {width}x{height} pixels"));
     }
-    if !(camera.position.is_finite() && camera.orientation.is_finite()) {
-        return bad("camera", "its place or orientation is not finite".into());
+    let axes = camera.orientation;
+    if !(camera.position.is_finite() && (axes.transpose() * axes).abs_diff_eq(Mat3::IDENTITY, 1e-3)) {
+        return bad(
+            "camera",
+            "its place is not finite, or its axes are not unit vectors at right angles".into(),
+        );
     }
     if !(camera.vertical_fov > 0.0 && camera.vertical_fov < std::f32::consts::PI) {
         return bad(

@@ -47,13 +47,23 @@ pub enum SceneError {
     /// A mesh is unusable.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A box of a skin is not finite.
-    #[error("coat {coat}, patch {patch}: a corner of the box is not a finite number")]
-    NonFiniteBox {
+    /// A patch of a skin cannot stand.
+    #[error("coat {coat}, patch {patch}: {reason}")]
+    Patch {
         /// Which coat.
         coat: usize,
         /// Which patch of its skin.
         patch: usize,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A coat's tint, a material or the environment holds a number that is not finite or a negative colour.
+    #[error("{what} {index} holds a colour that is negative or not finite")]
+    Color {
+        /// `coat`, `material` or `environment`.
+        what: &'static str,
+        /// Which of them.
+        index: usize,
     },
     /// A light holds a number that is not finite, or a direction without length.
     #[error("light {light} is not usable: {reason}")]
@@ -71,6 +81,20 @@ pub enum SceneError {
         /// How many there may be.
         limit: usize,
     },
+}
+
+/// Says what keeps a patch from standing, if anything does.
+fn check_patch(skin: &Skin, patch: &Patch) -> Result<(), &'static str> {
+    let mut corners =
+        patch.corners().iter().map(|&i| skin.base.get(i as usize).zip(skin.top.get(i as usize)));
+    if !corners.all(|corner| corner.is_some_and(|(base, top)| base.is_finite() && top.is_finite())) {
+        return Err("a corner of the box does not exist, or is not a finite number");
+    }
+    let area = patch.lattice.determinant();
+    if !(patch.lattice.origin.is_finite() && area.is_finite() && area != 0.0) {
+        return Err("its lattice has no area, or is not finite");
+    }
+    Ok(())
 }
 
 /// A compiled scene: immutable, shared by all threads.
@@ -104,17 +128,25 @@ impl Scene {
         for (light, l) in lights.iter().enumerate() {
             l.check().map_err(|reason| SceneError::Light { light, reason })?;
         }
+        let colors = (coats.iter().enumerate().map(|(i, c)| ("coat", i, c.tint)))
+            .chain(materials.iter().enumerate().flat_map(|(i, m)| {
+                [m.base_color, m.emissive, Vec3::new(m.specular, m.roughness, 0.0)]
+                    .map(|c| ("material", i, c))
+            }))
+            .chain([environment.sky, environment.ground].map(|c| ("environment", 0, c)));
+        for (what, index, color) in colors {
+            if !(color.is_finite() && color.min_element() >= 0.0) {
+                return Err(SceneError::Color { what, index });
+            }
+        }
         let mut first_box = vec![0_u32];
         let mut box_bounds = vec![];
         let mut hexahedra = vec![];
         let mut reach = 0.0_f32;
         for (coat, c) in coats.iter().enumerate() {
-            for patch in 0..c.skin.patches.len() {
-                let [lo, hi] = c.skin.bounds(patch);
-                if !(lo.is_finite() && hi.is_finite()) {
-                    return Err(SceneError::NonFiniteBox { coat, patch });
-                }
-                box_bounds.push([lo, hi]);
+            for (patch, p) in c.skin.patches.iter().enumerate() {
+                check_patch(&c.skin, p).map_err(|reason| SceneError::Patch { coat, patch, reason })?;
+                box_bounds.push(c.skin.bounds(patch));
                 hexahedra.push(c.skin.hexahedron(patch));
             }
             for (base, top) in c.skin.base.iter().zip(&c.skin.top) {

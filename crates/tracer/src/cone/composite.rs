@@ -33,6 +33,8 @@ pub(crate) struct SeenSurface {
     pub hit: SurfaceHit,
     /// How much of the pixel it covers.
     pub weight: f32,
+    /// How much of its ray reaches it.
+    pub reached: f32,
     /// The direction of the ray, scene space.
     pub direction: Vec3,
     /// How wide the cone is there, in scene units.
@@ -93,7 +95,8 @@ impl View {
         }
         let Some(hit) = surface else { return share * transmittance };
         let width = cone.width(hit.t) as f32;
-        self.surfaces.push(SeenSurface { hit, weight: share * transmittance, direction, width });
+        let (weight, reached) = (share * transmittance, transmittance);
+        self.surfaces.push(SeenSurface { hit, weight, reached, direction, width });
         0.0
     }
 

@@ -24,9 +24,18 @@ impl Band {
     pub fn of(lambda: f32, depth: u32) -> Self {
         let lambda = lambda.clamp(0.0, depth as f32);
         let coarse = lambda as u32;
-        // Less than 1/256 of a level shows in no picture, and reading one level costs half of two.
+        // 1/256 of a level shows in no picture, and reading one level costs half of two.
         let blend = lambda - coarse as f32;
-        if blend < 1.0 / 256.0 { Self { coarse, blend: 0.0 } } else { Self { coarse, blend } }
+        match blend {
+            _ if blend < 1.0 / 256.0 => Self { coarse, blend: 0.0 },
+            _ if blend > 255.0 / 256.0 => Self { coarse: coarse + 1, blend: 0.0 },
+            _ => Self { coarse, blend },
+        }
+    }
+
+    /// Whether the same levels are read, whatever their weights.
+    pub fn same_levels(self, other: Self) -> bool {
+        self.coarse == other.coarse && self.finest() == other.finest()
     }
 }
 
@@ -53,6 +62,10 @@ mod tests {
         assert_eq!(Band::of(9.5, 7), Band { coarse: 7, blend: 0.0 });
         assert_eq!(Band::of(2.25, 7), Band { coarse: 2, blend: 0.25 });
         assert_eq!(Band::of(2.001, 7), Band { coarse: 2, blend: 0.0 });
+        assert_eq!(Band::of(2.999, 7), Band { coarse: 3, blend: 0.0 });
+        assert!(
+            Band::of(2.2, 7).same_levels(Band::of(2.9, 7)) && !Band::of(2.2, 7).same_levels(Band::of(2.0, 7))
+        );
         assert_eq!((Band::of(2.25, 7).finest(), Band::of(2.0, 7).finest()), (3, 2));
     }
 

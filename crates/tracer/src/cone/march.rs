@@ -100,7 +100,7 @@ impl Walker<'_> {
         let line = Line::new(from, to - from);
         let finer = line.finer();
         for Step { cell, voxel, enter, leave } in level.walk(from, to) {
-            let same = self.open.is_some_and(|(b, open, ..)| b.coarse == band.coarse && open == cell);
+            let same = self.open.is_some_and(|(b, open, ..)| b.same_levels(band) && open == cell);
             if !same {
                 self.close();
                 if self.transmittance < least {

@@ -34,7 +34,7 @@ impl Shader {
         let jacobian = hexahedron.map().jacobian(u).as_mat3() * to_lattice.inverse();
         let inverse = jacobian.inverse();
         if !inverse.is_finite() {
-            return Vec3::ZERO; // a corner without volume: nothing is seen of it either
+            return Vec3::ZERO; // the corner of a box that has no volume there: it has no normals either
         }
         let view = -seen.direction.normalize_or(Vec3::NEG_Y);
 
@@ -114,16 +114,18 @@ impl Shader {
         };
         let mut open = 1.0;
         if settings.shadows && scene.reach > 0.0 {
-            // Wide cones through the coats around stand for the sky; under a coat that nearly hides it, one does.
-            let across = flat.any_orthonormal_vector();
-            let around = [across, -across, flat.cross(across), -flat.cross(across)];
-            let tilted = around.map(|side| (flat + side).normalize());
-            let count = if seen.weight > SEEN_WELL { 5 } else { 1 };
-            let cones = std::iter::once(flat).chain(tilted).take(count);
-            let through: f32 = cones
-                .map(|up| self.shadows.through_coats(scene, settings, &shadow(up, scene.reach, 0.8)))
-                .sum();
-            open = through / count as f32;
+            // Wide cones through the coats around stand for the sky; under a coat that nearly hides the surface, one
+            // does, and the others come in gradually, so that no step shows.
+            let mut sky =
+                |up: Vec3| self.shadows.through_coats(scene, settings, &shadow(up, scene.reach, SKY_SPREAD));
+            open = sky(flat);
+            let well = ((seen.reached - HARDLY_SEEN[0]) / (HARDLY_SEEN[1] - HARDLY_SEEN[0])).clamp(0.0, 1.0);
+            if well > 0.0 {
+                let across = flat.any_orthonormal_vector();
+                let around = [across, -across, flat.cross(across), -flat.cross(across)];
+                let tilted: f32 = around.map(|side| sky((flat + side).normalize())).iter().sum();
+                open += well * ((open + tilted) / 5.0 - open);
+            }
         }
         let mut radiance = material.emissive + open * albedo * scene.environment.mean_radiance(normal);
         for light in &scene.lights {
@@ -145,8 +147,11 @@ impl Shader {
     }
 }
 
-/// The part of a pixel from which on a surface's own sky is looked at in several directions.
-const SEEN_WELL: f32 = 0.1;
+/// Surfaces that less than the first part of a ray reaches are lit by one cone of sky, from the second part on by five.
+const HARDLY_SEEN: [f32; 2] = [0.05, 0.15];
+
+/// Widening of a cone that stands for a fifth of the sky.
+const SKY_SPREAD: f32 = 0.8;
 
 /// Diffuse + specular of one normal, times the cosine to the light. The factor keeps the specular albedo at or
 /// under k_s. [method §7]
@@ -204,7 +209,10 @@ fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, edge: f32) -> Correla
 /// e^−(depth to the light) over what the eye sees.
 fn own_shadow(own: [f32; 2], seen: f32) -> f32 {
     let [a, b] = own;
-    ((-a).exp() * decay(seen + b - a) / decay(seen)).clamp(0.0, 1.0)
+    let x = seen + b - a;
+    // e^−a φ(x) = e^−(a + x) φ(−x): whichever does not overflow.
+    let lit = if x < 0.0 { (-seen - b).exp() * decay(-x) } else { (-a).exp() * decay(x) };
+    (lit / decay(seen)).clamp(0.0, 1.0)
 }
 
 /// How far, in units of `step`, from `at` (in the frame of a voxel `[0,1]³`) to the voxel's walls.
@@ -273,6 +281,10 @@ mod tests {
         }
         assert!((f64::from(own_shadow([0.3, 1.5], 2.0)) - lit / seen).abs() < 1e-5);
         assert_eq!(own_shadow([0.0, 0.0], 3.0), 1.0);
+        // Very deep at the entry, hardly at the exit: ∫ e^−.1x e^−(95 − 94x) dx ≈ e^−1.1 / 93.9, over ∫ e^−.1x dx.
+        let exact = (-1.1_f32).exp() / 93.9 / decay(0.1);
+        assert!((own_shadow([95.0, 1.0], 0.1) / exact - 1.0).abs() < 1e-3);
+        assert!(own_shadow([500.0, 400.0], 0.1).is_finite());
     }
 
     #[test]

@@ -67,8 +67,10 @@ impl ShadowBuffers {
     /// The part of the light that arrives, in `[0, 1]`.
     pub fn transmittance(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
         let ray = Ray { origin: shadow.origin, direction: shadow.direction };
-        let past_itself = Ray { origin: ray.at(shadow.start), ..ray };
-        if scene.surfaces.blocked(&past_itself, shadow.end - shadow.start) {
+        // Opaque meshes are no part of the voxel's own matter: they are asked from the point itself.
+        let off = scene.rounding();
+        let from_the_point = Ray { origin: ray.at(off), ..ray };
+        if scene.surfaces.blocked(&from_the_point, shadow.end - off) {
             return 0.0;
         }
         self.through_coats(scene, settings, shadow)
@@ -77,7 +79,11 @@ impl ShadowBuffers {
     /// The part that the coats let through, whatever opaque meshes do.
     pub fn through_coats(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
         let ray = Ray { origin: shadow.origin, direction: shadow.direction };
-        let beam = Beam { ray: &ray, cone: &shadow.cone, settings };
+        // A walk ends by depths that are not yet weighed by their correlation, so it must go on for longer than what
+        // counts: these may be a quarter of those.
+        let walk = Settings { min_transmittance: settings.min_transmittance.powi(4), ..*settings };
+        let settings_of_walk = if shadow.correlation.q.is_finite() { &walk } else { settings };
+        let beam = Beam { ray: &ray, cone: &shadow.cone, settings: settings_of_walk };
         let mut transmittance = 1.0;
         passages::collect(scene, &ray, shadow.start, shadow.end, &mut self.passages);
         for passage in &self.passages {
