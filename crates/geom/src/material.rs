@@ -32,7 +32,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
-            base_color: Vec3::splat(0.5),
+            base_color: Vec3::splat(0.8),
             base_color_texture: None,
             specular: 0.0,
             roughness: 0.6,
