@@ -79,11 +79,12 @@ impl ShadowBuffers {
     /// The part that the coats let through, whatever opaque meshes do.
     pub fn through_coats(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
         let ray = Ray { origin: shadow.origin, direction: shadow.direction };
-        // A walk ends by depths that are not yet weighed by their correlation, so it must go on for longer than what
-        // counts: these may be a quarter of those.
-        let walk = Settings { min_transmittance: settings.min_transmittance.powi(4), ..*settings };
-        let settings_of_walk = if shadow.correlation.q.is_finite() { &walk } else { settings };
-        let beam = Beam { ray: &ray, cone: &shadow.cone, settings: settings_of_walk };
+        // A walk ends by depths that are not yet weighed by their correlation: it must go on for longer than what
+        // counts, which may be a quarter of them.
+        let correlated = shadow.correlation.q.is_finite();
+        let least = settings.min_transmittance.powi(if correlated { 4 } else { 1 });
+        let walk = Settings { min_transmittance: least, ..*settings };
+        let beam = Beam { ray: &ray, cone: &shadow.cone, settings: &walk };
         let mut transmittance = 1.0;
         passages::collect(scene, &ray, shadow.start, shadow.end, &mut self.passages);
         for passage in &self.passages {
