@@ -1,4 +1,6 @@
 //! Reading meshes: what good files hold, and what bad ones are told.
+//!
+//! Longer than most files here: one test a kind of file and a kind of fault.
 
 use std::fs;
 use std::path::{Path, PathBuf};

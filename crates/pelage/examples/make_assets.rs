@@ -1,6 +1,8 @@
 //! Writes the files in `assets/`: `cargo run -p pelage --example make_assets -- assets`.
 //!
 //! Everything in that folder comes from this program, the same bytes every time; see `assets/README.md`.
+//!
+//! Longer than most files here: each creature is described once, in plain numbers.
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write;

@@ -8,6 +8,8 @@
 //! at all are not reported.
 //!
 //! Empty space is crossed by aligned cubes: 8·2^k cells from the coarse grid, 4 or 2 from the occupancy word.
+//!
+//! Longer than most files here: half of it is the tests, which need the walk's inside.
 
 use glam::{IVec3, Vec3};
 

@@ -1,4 +1,6 @@
 //! A scene as it is described: what a TOML file holds, and what command-line flags amount to. See `docs/scene.md`.
+//!
+//! Longer than most files here: it is the one list of all fields that a scene file may have.
 
 mod validate;
 
