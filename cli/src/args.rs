@@ -38,7 +38,7 @@ pub struct RenderArgs {
     texel: Option<TexelArg>,
 
     /// How high it grows, in metres [default: 6 % of half the diagonal of what it grows on]
-    #[arg(long, value_parser = positive, help_heading = "Skin")]
+    #[arg(long, value_parser = positive, allow_hyphen_values = true, help_heading = "Skin")]
     height: Option<f32>,
 
     /// Tilts it all the same way: 0,-0.5,0 lets it hang; a length of 1 tilts by 45°
@@ -52,19 +52,25 @@ pub struct RenderArgs {
     lean: Option<[f32; 3]>,
 
     /// Only on the mesh or material of this name; may be repeated
-    #[arg(long, value_name = "NAME", help_heading = "Skin")]
+    #[arg(long, value_name = "NAME", value_parser = name, help_heading = "Skin")]
     on: Vec<String>,
 
     /// Copies of the texel per unit of texture coordinates (per face side where there are none)
-    #[arg(long, value_parser = positive, help_heading = "Skin")]
+    #[arg(long, value_parser = positive, allow_hyphen_values = true, help_heading = "Skin")]
     tiling: Option<f32>,
 
     /// Multiplies its colour; linear
-    #[arg(long, value_name = "R,G,B", value_parser = list::<3, f32>, help_heading = "Skin")]
+    #[arg(
+        long,
+        value_name = "R,G,B",
+        value_parser = list::<3, f32>,
+        allow_hyphen_values = true,
+        help_heading = "Skin"
+    )]
     tint: Option<[f32; 3]>,
 
     /// Voxels a side of the texel, a power of two [default: 128]
-    #[arg(long, value_name = "N", help_heading = "Skin")]
+    #[arg(long, value_name = "N", value_parser = whole, allow_hyphen_values = true, help_heading = "Skin")]
     resolution: Option<u32>,
 
     /// What is done with boxes that fold over: mend, leave-out or refuse [default: mend]
@@ -72,7 +78,7 @@ pub struct RenderArgs {
     folds: Option<Folds>,
 
     /// Width and height in pixels [default: 1280x720]
-    #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Picture")]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true, help_heading = "Picture")]
     size: Option<[u32; 2]>,
 
     /// Render only this part, in pixels, the ends not included
@@ -88,7 +94,7 @@ pub struct RenderArgs {
     path: Option<BoxPath>,
 
     /// Level of detail: auto, sharp, smooth or a level from 0 to 12 [default: auto]
-    #[arg(long, value_parser = choice::<Lod>, help_heading = "Picture")]
+    #[arg(long, value_parser = choice::<Lod>, allow_hyphen_values = true, help_heading = "Picture")]
     lod: Option<Lod>,
 
     /// How depth becomes opacity: exponential or linear [default: exponential]
@@ -141,8 +147,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FOLDER", help_heading = "Input")]
     allow_dir: Vec<PathBuf>,
 
-    /// Threads; 0 for one a core
-    #[arg(short, long, default_value_t = 0, help_heading = "Run")]
+    /// Threads, at most 256; 0 for one a core
+    #[arg(short, long, default_value_t = 0, value_parser = threads, allow_hyphen_values = true, help_heading = "Run")]
     pub threads: usize,
 
     /// Say only what went wrong
@@ -294,6 +300,22 @@ fn positive(text: &str) -> Result<f32, String> {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
         _ => Err("expected a positive number".into()),
     }
+}
+
+fn whole(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| "expected a whole number".into())
+}
+
+/// More threads than this only cost memory, and the stacks of very many bring the program down.
+const MOST_THREADS: usize = 256;
+
+fn threads(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|&n| n <= MOST_THREADS);
+    count.ok_or_else(|| format!("expected a whole number from 0 to {MOST_THREADS}"))
+}
+
+fn name(text: &str) -> Result<String, String> {
+    if text.is_empty() { Err("a name has at least one letter".into()) } else { Ok(text.into()) }
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Failure;
+use crate::progress::say;
 
 /// There is something worth keeping: the rendering has begun.
 static KEEPING: AtomicBool = AtomicBool::new(false);
@@ -12,7 +13,11 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 pub fn listen() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         let again = ASKED.swap(true, Ordering::SeqCst);
-        if again || !KEEPING.load(Ordering::SeqCst) {
+        let keeping = KEEPING.load(Ordering::SeqCst);
+        if !again && !keeping {
+            say(format_args!("pelage: interrupted: nothing has been written"));
+        }
+        if again || !keeping {
             std::process::exit(130);
         }
     })

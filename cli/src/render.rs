@@ -1,4 +1,4 @@
-//! `pelage render`: load, bake, extrude, compile, render, write.
+//! `pelage render`: load, extrude, bake, compile, render, write.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -39,10 +39,11 @@ fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Form
     stats.count("meshes", loaded.imported.meshes.len());
     stats.count("faces", loaded.imported.meshes.iter().map(|m| m.faces.len()).sum::<usize>());
 
-    let texels = stage("bake", volume, &mut stats, |stage| loaded.bake(&|f| stage.update(f)))?;
-
+    // Before the texels: a skin that cannot stand should not have to wait for them.
     let skins = stage("extrude", volume, &mut stats, |_| loaded.extrude())?;
     tell_of_skins(&skins, &loaded, volume, &mut stats);
+
+    let texels = stage("bake", volume, &mut stats, |stage| loaded.bake(&|f| stage.update(f)))?;
 
     let prepared = stage("compile", volume, &mut stats, |_| loaded.compile(&texels, skins))?;
 

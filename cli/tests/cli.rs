@@ -121,8 +121,8 @@ fn scene_files_that_make_no_sense() {
     for (text, message) in [
         ("[[skin]]\nheigth = 1\n", "s.toml:3: unknown field `heigth`, expected one of"),
         ("[[skin]]\nheight = 'tall'\n", "s.toml:3: invalid type: string \"tall\""),
-        ("[[skin]]\nheight = -1\n", "s.toml: skin[0].height: must be positive and finite"),
-        ("[[skin]]\nheight = nan\n", "s.toml: skin[0].height: must be positive and finite"),
+        ("[[skin]]\nheight = -1\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
+        ("[[skin]]\nheight = nan\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
         ("[[skin]]\ntexel.fur = { preset = \"wool\" }\n", "s.toml:3: `wool`: expected short, long or plush"),
         (
             "[[skin]]\ntexel.fur = { resolution = 100 }\n",
@@ -170,6 +170,15 @@ fn flags_that_make_no_sense() {
     );
     folder.fails("render a.obj -o a.png -q --resolution 3", 2, "must be a power of two");
     folder.fails("render a.obj -o a.png -q --crop 0,9,0,9 --size 8x8 --texel none", 2, "crop");
+    // Told from the start, by the name of the field, and not after the texels have been baked.
+    folder.fails(
+        "render a.obj -o a.png -q --crop 0,9,0,8 --size 8x8",
+        2,
+        "render.crop: must be x0, x1, y0, y1",
+    );
+    folder.fails("render a.obj -o a.png -q --size 99999x99999", 2, "render.size: 99999 x 99999 pixels");
+    folder.fails("render a.obj -o a.png -q --camera Foo", 2, "camera.named");
+    folder.fails("render a.obj -o a.png -q --allow-dir a.obj", 2, "a.obj: cannot be read");
     folder.fails("render a.obj -o a.gif", 2, "unknown picture format: expected .png or .exr");
     // clap's own messages take a few lines.
     for flags in [
@@ -179,6 +188,11 @@ fn flags_that_make_no_sense() {
         "--rays 3",
         "--background red",
         "--tint 1,2",
+        "--on=",
+        "-t 257",
+        "-t -1",
+        "--height -1",
+        "--resolution 512x",
         "--frobnicate",
     ] {
         let output = folder.run(&format!("render a.obj -o a.png {flags}"));

@@ -119,7 +119,9 @@ fn check(camera: &Camera, settings: &Settings) -> Result<Rect, RenderError> {
         || ends(window.x, window.width).is_none_or(|end| end > width)
         || ends(window.y, window.height).is_none_or(|end| end > height)
     {
-        return bad("crop", format!("{window:?} is not inside a picture of {width}x{height} pixels"));
+        let Rect { x, y, width: w, height: h } = window;
+        let part = format!("{w}x{h} pixels from column {x} and row {y} are not inside");
+        return bad("crop", format!("{part} a picture of {width}x{height} pixels"));
     }
     let axes = camera.orientation;
     if !(camera.position.is_finite() && (axes.transpose() * axes).abs_diff_eq(Mat3::IDENTITY, 1e-3)) {

@@ -29,6 +29,9 @@ pub(crate) struct SurfaceHit {
     pub geometric_normal: Vec3,
     /// The interpolated shading normal, unit length, on the same side.
     pub normal: Vec3,
+    /// Where shadow cones start, on the front and on the back: lifted to the curved surface that the normals stand
+    /// for, so that the flat faces of a smooth mesh do not cut its shadow's edge into facets. [Hanika21]
+    pub lifted: [DVec3; 2],
     /// Texture coordinates.
     pub uv: Vec2,
     /// Units of uv per scene unit there.
@@ -84,6 +87,7 @@ impl Triangle {
         let geometric_normal = area.normalize_or(Vec3::Y);
         let mix = weights.x * self.normals[0] + weights.y * self.normals[1] + weights.z * self.normals[2];
         let normal = mix.normalize_or(geometric_normal);
+        let lifted = [1.0, -1.0].map(|side| self.lifted(point, weights, side));
         let [p, q, r] = self.uvs;
         let uv_area = (q - p).perp_dot(r - p).abs();
         SurfaceHit {
@@ -92,10 +96,24 @@ impl Triangle {
             geometric_normal,
             // A normal on the other side (files have them) would turn the surface inside out.
             normal: if normal.dot(geometric_normal) < 0.0 { -normal } else { normal },
+            lifted,
             uv: weights.x * p + weights.y * q + weights.z * r,
             uv_density: (uv_area / area.length().max(f32::MIN_POSITIVE)).sqrt(),
             material: self.material,
         }
+    }
+}
+
+impl Triangle {
+    /// The point raised to the planes across the corners' normals, by its weights, where it lies below them.
+    fn lifted(&self, point: DVec3, weights: Vec3, side: f64) -> DVec3 {
+        let mut lifted = point;
+        for (i, (&corner, &normal)) in self.corners.iter().zip(&self.normals).enumerate() {
+            let normal = side * normal.as_dvec3();
+            let below = (point - corner.as_dvec3()).dot(normal).min(0.0);
+            lifted -= f64::from(weights[i]) * below * normal;
+        }
+        lifted
     }
 }
 
@@ -157,6 +175,21 @@ mod tests {
         assert!(intersect(&corners, &ray, 1.9).is_none());
         assert!(intersect(&corners, &Ray { direction: DVec3::Y, ..ray }, 10.0).is_none());
         assert!(intersect(&corners, &Ray { direction: DVec3::X, ..ray }, 10.0).is_none());
+    }
+
+    #[test]
+    fn smooth_faces_are_lifted_to_their_curve() {
+        // An eighth of the unit sphere as one triangle. Its middle m = (1,1,1)/3 lies 1 − 1/3 below each corner's
+        // plane; a third of that along each axis lifts it to (1,1,1)·(1/3 + 2/9) = (1,1,1)·5/9.
+        let corners = [Vec3::X, Vec3::Y, Vec3::Z];
+        let triangle = Triangle { corners, normals: corners, uvs: [Vec2::ZERO; 3], material: MaterialId(0) };
+        let hit = triangle.hit(DVec3::splat(1.0 / 3.0), 1.0, Vec3::splat(1.0 / 3.0));
+        assert!((hit.lifted[0] - DVec3::splat(5.0 / 9.0)).length() < 1e-6, "{}", hit.lifted[0]);
+        // Seen from inside, the curve lies beyond the face already; and a flat face is its own curve.
+        assert!((hit.lifted[1] - hit.point).length() < 1e-6);
+        let flat = Triangle { normals: [Vec3::ONE.normalize(); 3], ..triangle };
+        let hit = flat.hit(DVec3::splat(1.0 / 3.0), 1.0, Vec3::splat(1.0 / 3.0));
+        assert!((hit.lifted[0] - hit.point).length() < 1e-6);
     }
 
     #[test]

@@ -68,6 +68,9 @@ impl Loaded {
             .enumerate()
             .map(|(i, skin)| dress::select(&file, i, skin, &imported))
             .collect::<Result<_, _>>()?;
+        if let Some(CameraEntry::Named(name)) = &file.camera {
+            camera_named(&file, &imported.cameras, name)?;
+        }
         Ok(Self { file, imported, dressed })
     }
 
@@ -241,15 +244,17 @@ fn camera_of(
             Ok(Camera::look_at(eye, target, up, c.fov.to_radians()))
         }
         (Some(CameraEntry::Framed(view)), _) => Ok(framed(view)),
-        (Some(CameraEntry::Named(name)), _) => {
-            cameras.iter().find(|(n, _)| n == name).map(|&(_, camera)| camera).ok_or_else(|| {
-                let reason = names::unknown("camera", name, cameras.iter().map(|(n, _)| n.as_str()));
-                FieldError { file: file.path.clone(), field: "camera.named".into(), reason }
-            })
-        }
+        (Some(CameraEntry::Named(name)), _) => camera_named(file, cameras, name),
         (None, [(_, first), ..]) => Ok(*first),
         (None, []) => Ok(framed(&staging::View::default())),
     }
+}
+
+fn camera_named(file: &SceneFile, cameras: &[(String, Camera)], name: &str) -> Result<Camera, FieldError> {
+    cameras.iter().find(|(n, _)| n == name).map(|&(_, camera)| camera).ok_or_else(|| {
+        let reason = names::unknown("camera", name, cameras.iter().map(|(n, _)| n.as_str()));
+        FieldError { file: file.path.clone(), field: "camera.named".into(), reason }
+    })
 }
 
 #[cfg(test)]

@@ -28,7 +28,12 @@ impl Files {
         };
         let folders = std::iter::once(own)
             .chain(allowed.iter().map(PathBuf::as_path))
-            .map(|folder| folder.canonicalize().map_err(|e| Fault::Io(e).at(folder, Place::File)))
+            .map(|folder| {
+                let fault = |e| Fault::Io(e).at(folder, Place::File);
+                let canonical = folder.canonicalize().map_err(fault)?;
+                let not_a_folder = || fault(std::io::ErrorKind::NotADirectory.into());
+                if canonical.is_dir() { Ok(canonical) } else { Err(not_a_folder()) }
+            })
             .collect::<Result<_, _>>()?;
         Ok(Self { folders, limits })
     }

@@ -259,12 +259,12 @@ pub enum LightEntry {
 }
 
 /// The light of the surroundings, in radiance.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct EnvironmentEntry {
-    /// From straight above.
+    /// From straight above; none by default.
     pub sky: [f32; 3],
-    /// From straight below.
+    /// From straight below; none by default.
     pub ground: [f32; 3],
 }
 

@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
+use pelage_tracer::MAX_PIXELS;
+
 use super::{CameraEntry, FurEntry, GeometryEntry, LightEntry, SceneFile, SkinEntry, TexelEntry};
 use crate::error::FieldError;
 
@@ -35,8 +37,16 @@ impl SceneFile {
             table.color("ground", &entry.ground)?;
         }
         let table = table("render".into());
-        let [x0, x1, y0, y1] = self.render.crop.unwrap_or([0, 1, 0, 1]);
-        table.check("crop", x0 < x1 && y0 < y1, "must be x0, x1, y0, y1 with x0 < x1 and y0 < y1")?;
+        let [width, height] = self.render.size;
+        let pixels = u64::from(width) * u64::from(height);
+        let reason = format!("{width} x {height} pixels; from 1 to {MAX_PIXELS} in all are possible");
+        table.check("size", (1..=MAX_PIXELS).contains(&pixels), &reason)?;
+        let [x0, x1, y0, y1] = self.render.crop.unwrap_or([0, width, 0, height]);
+        let reason = format!(
+            "must be x0, x1, y0, y1 with x0 < x1 ≤ {width} and y0 < y1 ≤ {height}, the picture's size; \
+             it is {x0}, {x1}, {y0}, {y1}"
+        );
+        table.check("crop", x0 < x1 && x1 <= width && y0 < y1 && y1 <= height, &reason)?;
         table.within("exposure", self.render.exposure, -60.0..=60.0)
     }
 }
@@ -55,13 +65,15 @@ fn skin(table: &Table, entry: &SkinEntry) -> Result<(), FieldError> {
     }
     table.positive("tiling", entry.tiling.unwrap_or(1.0))?;
     table.positive("aspect", entry.aspect)?;
+    table.check("on", entry.on.iter().all(|name| !name.is_empty()), "must not hold an empty name")?;
     table.color("tint", &entry.tint)
 }
 
 fn fur(table: &Table, entry: &FurEntry) -> Result<(), FieldError> {
     let resolution = entry.resolution.is_power_of_two() && (2..=512).contains(&entry.resolution);
     table.check("resolution", resolution, "must be a power of two from 2 to 512")?;
-    table.check("count", entry.count.is_none_or(|n| n <= 1_000_000), "must be at most 1000000")?;
+    let count = entry.count.is_none_or(|n| (1..=1_000_000).contains(&n));
+    table.check("count", count, "must be from 1 to 1000000")?;
     for (name, value, most) in [
         ("length", entry.length, 1.0),
         ("length_variation", entry.length_variation, 1.0),
@@ -144,7 +156,7 @@ impl Table<'_> {
     }
 
     fn positive(&self, field: &str, x: f32) -> Result<(), FieldError> {
-        self.check(field, x > 0.0 && x <= LIMIT, "must be positive and finite")
+        self.check(field, x > 0.0 && x <= LIMIT, "must be positive and at most 1e12")
     }
 
     fn within(&self, field: &str, x: f32, range: RangeInclusive<f32>) -> Result<(), FieldError> {
@@ -157,7 +169,7 @@ impl Table<'_> {
 
     fn color(&self, field: &str, v: &[f32]) -> Result<(), FieldError> {
         let ok = v.iter().all(|x| (0.0..=LIMIT).contains(x));
-        self.check(field, ok, "must hold three finite numbers, none negative")
+        self.check(field, ok, "must hold three numbers from 0 to 1e12")
     }
 
     fn direction(&self, field: &str, v: &[f32]) -> Result<(), FieldError> {

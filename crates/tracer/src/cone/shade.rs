@@ -102,7 +102,7 @@ impl Shader {
 
         let shadow = |direction: Vec3, end: f32, spread: f32| {
             // Off the surface by what rounding may have put the point below it.
-            let origin = hit.point + scene.rounding() * flat.as_dvec3();
+            let origin = hit.lifted[usize::from(side < 0.0)] + scene.rounding() * flat.as_dvec3();
             ShadowCone {
                 origin,
                 direction: direction.as_dvec3().normalize(),
