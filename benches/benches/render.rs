@@ -7,7 +7,7 @@ use std::sync::Arc;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pelage::geom::glam::Vec3;
 use pelage::skin::{SkinOptions, extrude, surface};
-use pelage::texel::{BuildOptions, Fur, Procedure, build};
+use pelage::texel::{BuildOptions, Fur, build};
 use pelage::tracer::{Camera, Coat, Description, Environment, Light, Path, Rays, Scene, Settings, render};
 
 fn torus() -> Scene {
@@ -15,7 +15,7 @@ fn torus() -> Scene {
     let skin = extrude(&mesh, &|_| true, &SkinOptions::per_patch(0.12)).expect("a torus extrudes");
     let fur = Fur { count: 400, ..Fur::long() };
     let options = BuildOptions { depth: 5, ..BuildOptions::preview() };
-    let texel = build("fur", &fur.geometry(), &options, &|_| ()).expect("fur is sound");
+    let texel = build("fur", fur, &options, &|_| ()).expect("fur is sound");
     let sun = Light::Directional {
         direction: Vec3::new(-1.0, -2.0, -1.0),
         illuminance: Vec3::splat(3.0),

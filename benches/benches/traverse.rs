@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use pelage::texel::{BuildOptions, Fur, Level, Procedure, build};
+use pelage::texel::{BuildOptions, Fur, Level, build};
 
 /// Rays over the tile's top, all the way down.
 fn rays(level: &Level, across: Vec3) -> Vec<[Vec3; 2]> {
@@ -19,7 +19,7 @@ fn rays(level: &Level, across: Vec3) -> Vec<[Vec3; 2]> {
 
 fn traverse(criterion: &mut Criterion) {
     let options = BuildOptions { depth: 7, fine_rays: 4, coarse_rays: 4, ..BuildOptions::standard() };
-    let texel = match build("fur", &Fur::long().geometry(), &options, &|_| ()) {
+    let texel = match build("fur", Fur::long(), &options, &|_| ()) {
         Ok(texel) => texel,
         Err(error) => panic!("{error}"),
     };

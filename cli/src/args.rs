@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use pelage::Error;
-use pelage::choices::{Background, Choice, FurPreset};
+use pelage::choices::{Background, Choice, Method};
 use pelage::import::{Fault, Place, Up};
 use pelage::output::Tone;
-use pelage::scene_file::{CameraEntry, FurEntry, SceneFile, SkinEntry, TexelEntry};
+use pelage::scene_file::{CameraEntry, SceneFile, SkinEntry, TexelEntry};
 use pelage::skin::Folds;
 use pelage::staging::View;
 use pelage::tracer::{Lod, Opacity, Path as BoxPath, Rays};
+use pelage::{Error, FieldError};
 
 use crate::progress::Volume;
 
@@ -33,7 +33,8 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 
-    /// What grows: fur, fur:short, fur:long, fur:plush or none [default: fur on a mesh file, what a .toml says]
+    /// What grows: fur (fur:long, short, plush, hair), grass (grass:meadow, lawn), leaves, sheet, spheres or none
+    /// [default: fur on a mesh file, what a .toml says]
     #[arg(long, value_parser = texel, help_heading = "Skin")]
     texel: Option<TexelArg>,
 
@@ -84,6 +85,14 @@ pub struct RenderArgs {
     /// Render only this part, in pixels, the ends not included
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = list::<4, u32>, help_heading = "Picture")]
     crop: Option<[u32; 4]>,
+
+    /// How it is rendered: cone, or reference (the explicit geometry: slow, to compare with) [default: cone]
+    #[arg(long, value_parser = choice::<Method>, help_heading = "Picture")]
+    method: Option<Method>,
+
+    /// Samples a pixel of the reference method, 1 to 65536 [default: 256]
+    #[arg(long, value_name = "N", value_parser = whole, allow_hyphen_values = true, help_heading = "Picture")]
+    spp: Option<u32>,
 
     /// Rays a pixel: 1, 4 or 16 [default: 4]
     #[arg(long, value_parser = choice::<Rays>, help_heading = "Picture")]
@@ -180,10 +189,10 @@ pub enum StatsFormat {
     Json,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 enum TexelArg {
     None,
-    Fur(FurPreset),
+    Grown(TexelEntry),
 }
 
 impl RenderArgs {
@@ -198,22 +207,13 @@ impl RenderArgs {
 
     /// The scene that file and flags describe together.
     pub fn scene(&self) -> Result<SceneFile, Error> {
-        let mut scene = match extension(&self.scene).as_str() {
-            "toml" => SceneFile::open(&self.scene)?,
-            "obj" | "gltf" | "glb" => {
-                SceneFile { skin: vec![SkinEntry::default()], ..SceneFile::of_mesh(&self.scene) }
-            }
-            _ => {
-                let expected = ".toml, .gltf, .glb or .obj";
-                return Err(Fault::Extension { expected }.at(&self.scene, Place::File).into());
-            }
-        };
+        let mut scene = open(&self.scene)?;
         scene.allow_dirs = self.allow_dir.clone();
         for geometry in &mut scene.geometry {
             set(&mut geometry.up, self.up);
             set(&mut geometry.unit, self.unit);
         }
-        self.skins(&mut scene.skin);
+        self.skins(&mut scene.skin)?;
         self.camera(&mut scene.camera);
         let render = &mut scene.render;
         set(&mut render.size, self.size);
@@ -223,6 +223,18 @@ impl RenderArgs {
         set(&mut render.opacity, self.opacity);
         set(&mut render.exposure, self.exposure);
         set(&mut render.tone, self.tone);
+        set(&mut render.method, self.method);
+        if self.method == Some(Method::Cone) {
+            // Samples that the file asks for are the other method's.
+            render.spp = None;
+        }
+        render.spp = self.spp.or(render.spp);
+        if render.method == Method::Reference {
+            self.only_for_cones()?;
+            // Only what texels are made from is looked at: the fewest voxels will do.
+            scene.skin.iter_mut().for_each(|skin| skin.texel.resolution = 2);
+        }
+        let render = &mut scene.render;
         render.crop = self.crop.or(render.crop);
         render.background = self.background.or(render.background);
         render.shadows &= !self.no_shadows;
@@ -230,29 +242,62 @@ impl RenderArgs {
         Ok(scene)
     }
 
+    /// Refuses flags that mean nothing to the reference renderer.
+    fn only_for_cones(&self) -> Result<(), FieldError> {
+        let flags = [
+            ("--rays", self.rays.is_some()),
+            ("--path", self.path.is_some()),
+            ("--lod", self.lod.is_some()),
+            ("--opacity", self.opacity.is_some()),
+            ("--resolution", self.resolution.is_some()),
+        ];
+        match flags.into_iter().find(|&(_, given)| given) {
+            Some((flag, _)) => {
+                let reason = "means nothing to --method reference, which traces no cones".into();
+                Err(FieldError { file: self.scene.clone(), field: flag.into(), reason })
+            }
+            None => Ok(()),
+        }
+    }
+
     /// `--texel` and `--on` stand in for the skins of the file; the other flags change each skin there is.
-    fn skins(&self, skins: &mut Vec<SkinEntry>) {
-        match self.texel {
+    fn skins(&self, skins: &mut Vec<SkinEntry>) -> Result<(), FieldError> {
+        match &self.texel {
             Some(TexelArg::None) => skins.clear(),
-            Some(TexelArg::Fur(preset)) => {
-                let texel = TexelEntry::Fur(FurEntry { preset, ..FurEntry::default() });
-                *skins = vec![SkinEntry { texel, ..SkinEntry::default() }];
+            Some(TexelArg::Grown(texel)) => {
+                *skins = vec![SkinEntry { texel: texel.clone(), ..SkinEntry::default() }];
             }
             None if !self.on.is_empty() => *skins = vec![SkinEntry::default()],
             None => {}
         }
+        let flags = [
+            ("--on", !self.on.is_empty()),
+            ("--height", self.height.is_some()),
+            ("--lean", self.lean.is_some()),
+            ("--tiling", self.tiling.is_some()),
+            ("--tint", self.tint.is_some()),
+            ("--resolution", self.resolution.is_some()),
+            ("--folds", self.folds.is_some()),
+        ];
+        if let Some((flag, _)) = flags.into_iter().find(|&(_, given)| given && skins.is_empty()) {
+            let reason = "there is no skin for it to change".into();
+            return Err(FieldError { file: self.scene.clone(), field: flag.into(), reason });
+        }
         for skin in skins {
-            let TexelEntry::Fur(fur) = &mut skin.texel;
-            set(&mut fur.resolution, self.resolution);
+            set(&mut skin.texel.resolution, self.resolution);
             set(&mut skin.tint, self.tint);
             set(&mut skin.lean, self.lean);
             set(&mut skin.folds, self.folds);
             skin.height = self.height.or(skin.height);
-            skin.tiling = self.tiling.or(skin.tiling);
+            if self.tiling.is_some() {
+                // The flag decides how wide a copy is, whatever the file said.
+                (skin.tiling, skin.aspect) = (self.tiling, None);
+            }
             if !self.on.is_empty() {
                 skin.on.clone_from(&self.on);
             }
         }
+        Ok(())
     }
 
     fn camera(&self, camera: &mut Option<CameraEntry>) {
@@ -272,6 +317,20 @@ impl RenderArgs {
     }
 }
 
+/// The scene of a file: as it is described, or a mesh with long fur on all of it.
+pub fn open(path: &Path) -> Result<SceneFile, Error> {
+    match extension(path).as_str() {
+        "toml" => SceneFile::open(path),
+        "obj" | "gltf" | "glb" => {
+            Ok(SceneFile { skin: vec![SkinEntry::default()], ..SceneFile::of_mesh(path) })
+        }
+        _ => {
+            let expected = ".toml, .gltf, .glb or .obj";
+            Err(Fault::Extension { expected }.at(path, Place::File).into())
+        }
+    }
+}
+
 fn set<T>(field: &mut T, flag: Option<T>) {
     if let Some(value) = flag {
         *field = value;
@@ -282,20 +341,17 @@ fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-fn choice<C: Choice>(word: &str) -> Result<C, String> {
+/// A choice that has a word.
+pub fn choice<C: Choice>(word: &str) -> Result<C, String> {
     C::parse(word)
 }
 
 fn texel(word: &str) -> Result<TexelArg, String> {
-    match word.split_once(':') {
-        None if word == "none" => Ok(TexelArg::None),
-        None if word == "fur" => Ok(TexelArg::Fur(FurPreset::default())),
-        Some(("fur", preset)) => FurPreset::parse(preset).map(TexelArg::Fur),
-        _ => Err("expected fur, fur:short, fur:long, fur:plush or none".into()),
-    }
+    if word == "none" { Ok(TexelArg::None) } else { TexelEntry::from_word(word).map(TexelArg::Grown) }
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+/// A positive number.
+pub fn positive(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
         _ => Err("expected a positive number".into()),
@@ -309,7 +365,8 @@ fn whole(text: &str) -> Result<u32, String> {
 /// More threads than this only cost memory, and the stacks of very many bring the program down.
 const MOST_THREADS: usize = 256;
 
-fn threads(text: &str) -> Result<usize, String> {
+/// A number of threads.
+pub fn threads(text: &str) -> Result<usize, String> {
     let count = text.parse().ok().filter(|&n| n <= MOST_THREADS);
     count.ok_or_else(|| format!("expected a whole number from 0 to {MOST_THREADS}"))
 }
@@ -325,7 +382,8 @@ fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "expected width x height in pixels, like 1280x720".into())
 }
 
-fn list<const N: usize, T: std::str::FromStr>(text: &str) -> Result<[T; N], String> {
+/// `N` numbers with commas between.
+pub fn list<const N: usize, T: std::str::FromStr>(text: &str) -> Result<[T; N], String> {
     let numbers: Option<Vec<T>> = text.split(',').map(|word| word.trim().parse().ok()).collect();
     numbers
         .and_then(|numbers| numbers.try_into().ok())

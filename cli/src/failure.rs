@@ -5,13 +5,16 @@ use std::process::ExitCode;
 
 use pelage::output::OutputError;
 use pelage::{Blame, Error};
+use pelage_validate::PictureError;
 
 /// Why a command failed.
 pub enum Failure {
     /// The library says why.
     Library(Error),
-    /// The flags or the machine.
+    /// The flags, a picture to be read, or the machine.
     Usage(String),
+    /// A validation failed, or found that a goal was missed.
+    Study(String),
     /// What was asked for on stdout could not be written there.
     Stdout(std::io::Error),
     /// It was stopped; the partial picture is where the message says.
@@ -28,6 +31,7 @@ impl Failure {
                 Blame::Output => 3,
                 Blame::Interruption => 130,
             },
+            Self::Study(_) => 1,
             Self::Usage(_) => 2,
             Self::Stdout(_) => 3,
             Self::Interrupted(_) => 130,
@@ -39,7 +43,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Library(error) => error.fmt(f),
-            Self::Usage(message) | Self::Interrupted(message) => f.write_str(message),
+            Self::Usage(message) | Self::Study(message) | Self::Interrupted(message) => f.write_str(message),
             Self::Stdout(error) => write!(f, "stdout: {error}"),
         }
     }
@@ -48,6 +52,12 @@ impl fmt::Display for Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         Self::Library(error)
+    }
+}
+
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        Self::Usage(error.to_string())
     }
 }
 

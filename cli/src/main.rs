@@ -3,15 +3,21 @@
 //! | subcommand | room |
 //! |---|---|
 //! | `render` | [`render`]: its stages; [`args`]: its flags |
+//! | `expand` | [`expand`] |
+//! | `compare` | [`compare`] |
+//! | `validate` | [`validate`] |
 //!
 //! stdout carries only data that was asked for; everything said to people goes to stderr.
 
 mod args;
+mod compare;
+mod expand;
 mod failure;
 mod interrupt;
 mod progress;
 mod render;
 mod stats;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -29,15 +35,24 @@ struct Cli {
 enum Command {
     /// Render a scene to a picture.
     Render(Box<args::RenderArgs>),
+    /// Write a scene as explicit triangles, for other programs.
+    Expand(expand::ExpandArgs),
+    /// Measure how far a picture is from its reference.
+    Compare(compare::CompareArgs),
+    /// Measure how far a scene's cone pictures are from what its geometry shows, at every distance.
+    Validate(Box<validate::ValidateArgs>),
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 the rendering failed; 2 usage or an input file; 3 the output could not be written; \
+Exit codes: 0 done; 1 the rendering failed, or a goal was missed (validate --strict); 2 usage or an input file; 3 the output could not be written; \
 130 interrupted (the partial picture is kept).";
 
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
+        Command::Expand(args) => expand::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Validate(args) => validate::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -21,11 +21,13 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     // Asked now: after an hour of rendering is too late.
     let format = check_output(&args.output)?;
     interrupt::listen()?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads)
-        .build()
-        .map_err(|e| Failure::Usage(format!("cannot start {} threads: {e}", args.threads)))?;
-    pool.install(|| picture(args, scene, format))
+    pool(args.threads)?.install(|| picture(args, scene, format))
+}
+
+/// So many threads; 0 for one a core.
+pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|e| Failure::Usage(format!("cannot start {threads} threads: {e}")))
 }
 
 fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Format) -> Result<(), Failure> {
@@ -33,9 +35,7 @@ fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Form
     let mut stats = Stats::default();
 
     let loaded = stage("load", volume, &mut stats, |_| Loaded::new(scene))?;
-    for warning in loaded.imported.warnings.iter().filter(|_| volume > Volume::Quiet) {
-        say(format_args!("warning: {warning}"));
-    }
+    tell_of_input(&loaded, volume);
     stats.count("meshes", loaded.imported.meshes.len());
     stats.count("faces", loaded.imported.meshes.iter().map(|m| m.faces.len()).sum::<usize>());
 
@@ -82,7 +82,7 @@ fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Form
 }
 
 /// Runs a stage, shows its progress and notes its time.
-fn stage<T>(
+pub fn stage<T>(
     name: &'static str,
     volume: Volume,
     stats: &mut Stats,
@@ -95,7 +95,15 @@ fn stage<T>(
     result
 }
 
-fn tell_of_skins(skins: &[Dressed], loaded: &Loaded, volume: Volume, stats: &mut Stats) {
+/// Warns of what was odd in the mesh files.
+pub fn tell_of_input(loaded: &Loaded, volume: Volume) {
+    for warning in loaded.imported.warnings.iter().filter(|_| volume > Volume::Quiet) {
+        say(format_args!("warning: {warning}"));
+    }
+}
+
+/// Tells how many boxes there are, and warns of those that are not.
+pub fn tell_of_skins(skins: &[Dressed], loaded: &Loaded, volume: Volume, stats: &mut Stats) {
     let sum = |count: &dyn Fn(&Dressed) -> usize| skins.iter().map(count).sum::<usize>();
     stats.count("boxes", sum(&|d| d.skin.report.boxes));
     stats.count("prisms", sum(&|d| d.skin.report.prisms));

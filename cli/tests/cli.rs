@@ -120,10 +120,20 @@ fn scene_files_that_make_no_sense() {
     let head = "geometry = [{ file = \"a.obj\" }]\n";
     for (text, message) in [
         ("[[skin]]\nheigth = 1\n", "s.toml:3: unknown field `heigth`, expected one of"),
-        ("[[skin]]\nheight = 'tall'\n", "s.toml:3: invalid type: string \"tall\""),
+        ("[[skin]]\nheight = 'tall'\n", "s.toml:3: invalid type: string \"tall\", expected a number"),
+        ("[[skin]]\nlean = [1, 2]\n", "s.toml:3: invalid length 2, expected a list of 3"),
+        (
+            "[render]\nsize = [1.5, 2]\n",
+            "s.toml:3: invalid type: floating point `1.5`, expected a whole number",
+        ),
+        ("camera = 3\n", "s.toml:2: "),
+        ("[[skin]]\ntiling = 2\naspect = 1\n", "skin[0].aspect: must be left out beside `tiling`"),
         ("[[skin]]\nheight = -1\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
         ("[[skin]]\nheight = nan\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
-        ("[[skin]]\ntexel.fur = { preset = \"wool\" }\n", "s.toml:3: `wool`: expected short, long or plush"),
+        (
+            "[[skin]]\ntexel.fur = { preset = \"wool\" }\n",
+            "s.toml:3: there is no preset of fur `wool`: there are `hair`, `long`, `plush`, `short`",
+        ),
         (
             "[[skin]]\ntexel.fur = { resolution = 100 }\n",
             "skin[0].texel.fur.resolution: must be a power of two",
@@ -155,7 +165,11 @@ fn scene_files_that_make_no_sense() {
         "s.toml: geometry[0].file: refers to `../a.obj`, which is outside of the scene's folder",
     );
     folder.write("s.toml", "geometry = [{ file = \"gone.obj\" }]");
-    folder.fails("render s.toml -o a.png", 2, "gone.obj: cannot be read");
+    folder.fails(
+        "render s.toml -o a.png",
+        2,
+        "s.toml: geometry[0].file: refers to `gone.obj`, which cannot be read: ",
+    );
     folder.write("s.toml", b"geometry = \"\xff\"");
     folder.fails("render s.toml -o a.png", 2, "s.toml: byte 12: is not UTF-8 text");
 }
@@ -169,6 +183,11 @@ fn flags_that_make_no_sense() {
         "there is no mesh or material `bodi`: did you mean `Body`?",
     );
     folder.fails("render a.obj -o a.png -q --resolution 3", 2, "must be a power of two");
+    folder.fails(
+        "render a.obj -o a.png -q --texel none --on Body",
+        2,
+        "a.obj: --on: there is no skin for it to change",
+    );
     folder.fails("render a.obj -o a.png -q --crop 0,9,0,9 --size 8x8 --texel none", 2, "crop");
     // Told from the start, by the name of the field, and not after the texels have been baked.
     folder.fails(
@@ -260,4 +279,37 @@ fn an_interruption_keeps_the_partial_picture() {
     assert!(last.contains("interrupted: a.png holds"), "{last}");
     let png = fs::read(folder.path().join("a.png")).expect("the picture");
     assert_eq!(png[16..24], [0, 0, 0x06, 0x40, 0, 0, 0x06, 0x40]);
+}
+
+#[test]
+fn the_reference_method() {
+    let folder = Folder::new();
+    let output = folder.run("render a.obj -o a.png -q --size 12x8 --method reference --spp 2");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    let fails = |flags: &str, message: &str| {
+        folder.fails(&format!("render a.obj -o b.png -q --size 12x8 {flags}"), 2, message);
+    };
+    fails("--spp 16", "render.spp: is of the reference method only");
+    fails("--method reference --spp 0", "render.spp: from 1 to 65536");
+    fails("--method reference --lod 3", "--lod: means nothing to --method reference");
+    fails("--method reference --rays 4", "--rays: means nothing to --method reference");
+}
+
+#[test]
+fn a_scene_is_expanded() {
+    let folder = Folder::new();
+    for name in ["a.glb", "a.ply"] {
+        let output = folder.run(&format!("expand a.obj -o {name} -q"));
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    }
+    let output = folder.run("render a.glb --texel none -o a.png -q --size 12x8");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.fails("expand a.obj -o b.glb -q --limit 1KiB", 2, "b.glb: ");
+    folder.fails("expand a.obj -o b.glb -q --limit 1KiB", 2, "the limit is 1.00 KiB");
+    folder.fails("expand a.obj -o b.stl -q", 2, "unknown model format");
+    folder.fails("expand a.obj -o none/b.glb -q", 3, "cannot be written");
+    assert_eq!(folder.run("expand a.obj -o b.glb --limit much").status.code(), Some(2));
+    assert_eq!(folder.run("expand a.obj -o b.glb --tolerance 0%").status.code(), Some(2));
 }

@@ -73,7 +73,7 @@ pub fn sheet(w: f32, slope: f32, color: Vec3) -> Geometry {
 /// A texel of `2^depth` voxels a side.
 pub fn texel(geometry: &Geometry, depth: u32, periodic: bool) -> Arc<Texel> {
     let options = BuildOptions { depth, periodic, ..BuildOptions::standard() };
-    Arc::new(build("test", geometry, &options, &|_| ()).expect("the geometry is sound"))
+    Arc::new(build("test", geometry.clone(), &options, &|_| ()).expect("the geometry is sound"))
 }
 
 /// The content of every box of `skin` as explicit triangles: each is cut into `pieces`² and carried through the

@@ -346,7 +346,7 @@ fn glb_with_everything() {
     assert!((texture.sample(Vec2::new(0.25, 0.75), 0.0).x - 0.7913).abs() < 1e-3);
     assert!((texture.sample(Vec2::new(0.75, 0.75), 0.0).x - 0.0452).abs() < 1e-3);
     assert_eq!(scene.materials[1].name, "Clay");
-    assert_eq!((scene.materials[1].roughness, scene.materials[1].two_sided), (0.5, false));
+    assert_eq!(scene.materials[1].roughness, 0.5);
 
     let [(name, camera)] = &scene.cameras[..] else { panic!("one camera") };
     assert_eq!((name.as_str(), camera.position, camera.vertical_fov), ("View", vec3(0.0, 1.2, 3.0), 0.7));

@@ -23,8 +23,6 @@ pub struct Material {
     pub roughness: f32,
     /// Light given off, in radiance.
     pub emissive: Vec3,
-    /// Whether the back is shaded like the front.
-    pub two_sided: bool,
 }
 
 impl Default for Material {
@@ -37,7 +35,6 @@ impl Default for Material {
             specular: 0.0,
             roughness: 0.6,
             emissive: Vec3::ZERO,
-            two_sided: true,
         }
     }
 }

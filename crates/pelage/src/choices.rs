@@ -2,9 +2,8 @@
 
 use pelage_geom::Footprint;
 use pelage_skin::Folds;
-use pelage_texel::Fur;
 use pelage_tracer::{Lod, Opacity, Path, Rays};
-use serde::{Deserialize, Deserializer, de};
+use serde::{Deserializer, de};
 
 use crate::import::Up;
 use crate::output::Tone;
@@ -20,27 +19,14 @@ pub enum Background {
     Color([u8; 3]),
 }
 
-/// The ready-made furs.
+/// How a picture is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FurPreset {
-    /// [`Fur::short`].
-    Short,
-    /// [`Fur::long`].
+pub enum Method {
+    /// By cones through voxels.
     #[default]
-    Long,
-    /// [`Fur::plush`].
-    Plush,
-}
-
-impl FurPreset {
-    /// Its settings.
-    pub fn fur(self) -> Fur {
-        match self {
-            Self::Short => Fur::short(),
-            Self::Long => Fur::long(),
-            Self::Plush => Fur::plush(),
-        }
-    }
+    Cone,
+    /// By rays through the geometry that the texels were made from: slow, to compare with.
+    Reference,
 }
 
 /// A choice that has a word.
@@ -81,10 +67,9 @@ words!(Rays, "1, 4 or 16", "1" => Rays::One, "4" => Rays::Four, "16" => Rays::Si
 words!(Path, "curved or straight", "curved" => Path::Curved, "straight" => Path::Straight);
 words!(Opacity, "exponential or linear", "exponential" => Opacity::Exponential, "linear" => Opacity::Linear);
 words!(Tone, "filmic or none", "filmic" => Tone::Filmic, "none" => Tone::None);
+words!(Method, "cone or reference", "cone" => Method::Cone, "reference" => Method::Reference);
 words!(Folds, "mend, leave-out or refuse",
     "mend" => Folds::Mend, "leave-out" => Folds::LeaveOut, "refuse" => Folds::Refuse);
-words!(FurPreset, "short, long or plush",
-    "short" => FurPreset::Short, "long" => FurPreset::Long, "plush" => FurPreset::Plush);
 
 impl Choice for Lod {
     const EXPECTED: &'static str = "auto, sharp, smooth, or a level from 0 to 12";
@@ -143,12 +128,6 @@ where
     C: Choice,
 {
     deserialize(deserializer).map(Some)
-}
-
-impl<'de> Deserialize<'de> for FurPreset {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserialize(deserializer)
-    }
 }
 
 #[cfg(test)]

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use pelage_skin::SkinError;
 use pelage_texel::BuildError;
+use pelage_tracer::reference::ReferenceError;
 use pelage_tracer::{RenderError, SceneError};
 
+use crate::expand::ExpandError;
 use crate::import::ImportError;
 use crate::output::OutputError;
 
@@ -53,6 +55,12 @@ pub enum Error {
     /// There is no film, or only a part of one.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// There is no reference picture, only a part of one, or no explicit content.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// The explicit triangles could not be written.
+    #[error(transparent)]
+    Expand(#[from] ExpandError),
     /// The picture could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -65,9 +73,13 @@ impl Error {
             Self::Render(RenderError::Cancelled { .. }) => Blame::Interruption,
             // A setting is the user's; anything else that may come is not.
             Self::Render(RenderError::Setting { .. }) => Blame::Input,
-            Self::Output(OutputError::Film { .. }) => Blame::Render,
-            Self::Output(OutputError::Extension { .. }) => Blame::Input,
-            Self::Output(_) => Blame::Output,
+            Self::Reference(ReferenceError::Cancelled { .. }) => Blame::Interruption,
+            Self::Expand(ExpandError::Stopped { .. }) => Blame::Interruption,
+            Self::Output(error) | Self::Expand(ExpandError::Output(error)) => match error {
+                OutputError::Film { .. } => Blame::Render,
+                OutputError::Extension { .. } => Blame::Input,
+                _ => Blame::Output,
+            },
             _ => Blame::Input,
         }
     }

@@ -8,7 +8,7 @@
 //! let mesh = surface::cube_sphere(1.0, 4);
 //! let skin = extrude(&mesh, &|_face| true, &SkinOptions::new(0.2))?;
 //! let fur = Fur { count: 300, ..Fur::short() };
-//! let texel = build("fur", &fur.geometry(), &BuildOptions { depth: 4, ..BuildOptions::preview() }, &|_| {})?;
+//! let texel = build("fur", fur, &BuildOptions { depth: 4, ..BuildOptions::preview() }, &|_| {})?;
 //! let coats = vec![Coat { skin, texel: texel.into(), tint: Vec3::new(1.0, 0.6, 0.3), wears_material: false }];
 //! let (lights, environment) = (vec![staging::sun()], staging::sky());
 //! let materials = vec![Material::default()];
@@ -47,6 +47,7 @@
 //! | [`compile`] | a description becomes a scene, stage by stage |
 //! | [`staging`] | camera, light and exposure where there are none |
 //! | [`compose`], [`output`] | a background behind the film; PNG and EXR files |
+//! | [`expand`] | a scene as explicit triangles: glTF, OBJ and PLY files |
 //! | [`geom`], [`skin`], [`texel`], [`tracer`] | the crates that do the work, re-exported |
 //!
 //! Nothing here prints, exits, or panics on input. Every error says which file, where in it, and why, in one line;
@@ -57,6 +58,7 @@ pub mod choices;
 pub mod compile;
 pub mod compose;
 mod error;
+pub mod expand;
 pub mod import;
 mod names;
 pub mod output;
@@ -77,7 +79,7 @@ pub mod prelude {
     pub use pelage_geom::glam::{Vec2, Vec3};
     pub use pelage_geom::{Face, Material, MaterialId, Mesh, Texture, TextureId};
     pub use pelage_skin::{SkinOptions, extrude, surface};
-    pub use pelage_texel::{BuildOptions, Fur, Geometry, Procedure, build};
+    pub use pelage_texel::{BuildOptions, Fur, Geometry, Grass, Leaves, Procedure, build};
     pub use pelage_tracer::{Camera, Coat, Description, Environment, Film, Light, Scene, Settings, render};
 
     pub use crate::staging::{self, View};

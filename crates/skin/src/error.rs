@@ -48,6 +48,52 @@ pub enum SkinError {
         /// The first of them.
         first: Fold,
     },
+    /// The top mesh of a [`cage`](crate::cage) is unusable.
+    #[error("top of the cage: {0}")]
+    Top(MeshError),
+    /// The two meshes of a cage have not the same number of faces, as far as they have, their corners agree.
+    #[error("mesh `{base}` has {base_faces} faces and the top of its cage, `{top}`, has {top_faces}: \
+             face {} is in one of them only", base_faces.min(top_faces))]
+    CageFaces {
+        /// The base's name.
+        base: String,
+        /// The top's name.
+        top: String,
+        /// How many faces the base has.
+        base_faces: usize,
+        /// How many the top has.
+        top_faces: usize,
+    },
+    /// A face is a quad in one mesh of a cage and a triangle in the other.
+    #[error(
+        "face {face} has {base_corners} corners in mesh `{base}` and {top_corners} in the top of its cage, `{top}`"
+    )]
+    CageCorners {
+        /// The base's name.
+        base: String,
+        /// The top's name.
+        top: String,
+        /// The first such face.
+        face: usize,
+        /// How many corners it has in the base.
+        base_corners: usize,
+        /// How many in the top.
+        top_corners: usize,
+    },
+    /// Neither mesh of a cage can be the other with some vertices merged: their faces join differently.
+    #[error(
+        "face {face} joins other faces at corner {corner} in mesh `{base}` than in the top of its cage, `{top}`"
+    )]
+    CageVertices {
+        /// The base's name.
+        base: String,
+        /// The top's name.
+        top: String,
+        /// The first such face.
+        face: usize,
+        /// Which of its corners.
+        corner: usize,
+    },
     /// More vertices or patches than 32-bit indices can name.
     #[error("mesh `{mesh}`: the skin may need {count} {what}, more than 32-bit indices can name")]
     TooLarge {

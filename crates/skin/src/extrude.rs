@@ -1,4 +1,4 @@
-//! From a mesh to its skin. [Neyret98 §3] [seed §4.1]
+//! From a mesh to its skin: along its normals, or as far as was given. [Neyret98 §3] [seed §4.1]
 
 use glam::Vec3;
 use pelage_geom::{Face, Mesh};
@@ -24,13 +24,23 @@ pub fn extrude(
     selected: &dyn Fn(usize) -> bool,
     options: &SkinOptions,
 ) -> Result<Skin, SkinError> {
-    options.validate()?;
     mesh.validate()?;
+    cover(mesh, None, selected, options)
+}
+
+/// The way from a valid mesh to its skin; `tops`, one a vertex, are where the boxes reach, by default along the normals.
+pub(crate) fn cover(
+    mesh: &Mesh,
+    tops: Option<Vec<Vec3>>,
+    selected: &dyn Fn(usize) -> bool,
+    options: &SkinOptions,
+) -> Result<Skin, SkinError> {
+    options.validate()?;
     if options.layout == Layout::Uv && mesh.uvs.is_none() {
         return Err(SkinError::NoUvs { mesh: mesh.name.clone() });
     }
     let mut report = Report::default();
-    let mut surface = polygon::collect(mesh, selected, options.border == Border::Mesh, &mut report);
+    let mut surface = polygon::collect(mesh, tops, selected, options.border == Border::Mesh, &mut report);
     if surface.polygons.is_empty() {
         let (faces, zero_area) = (mesh.faces.len(), report.zero_area_faces.len());
         return Err(SkinError::NothingSelected { mesh: mesh.name.clone(), faces, zero_area });
@@ -39,7 +49,7 @@ pub fn extrude(
     report.refined = matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface);
     check_size(mesh, &surface, report.refined)?;
     if report.refined {
-        surface = refine::refine(&surface);
+        surface = refine::refine(surface);
     }
     polygon::count_edges(&surface.polygons, &mut report);
 
@@ -47,17 +57,24 @@ pub fn extrude(
     if mesh.uvs.is_some() && options.layout == Layout::Auto && matches!(plan, Plan::PerPatch { .. }) {
         report.zero_area_uvs = patches.len();
     }
-    let vectors = normals::vectors(&surface.positions, &patches, &surface.bystanders);
+    let (tops, cancelled, turned) = match surface.tops.take() {
+        Some(tops) => (tops, Vec::new(), Vec::new()),
+        None => {
+            let vectors = normals::vectors(&surface.positions, &patches, &surface.bystanders);
+            let reach = |(p, n): (&Vec3, &Vec3)| *p + options.height * tilted(*n, options.lean);
+            let tops = surface.positions.iter().zip(&vectors.unit).map(reach).collect();
+            (tops, vectors.cancelled, vectors.turned)
+        }
+    };
     let used = number_vertices(&surface, &mut patches);
-    let base = gather(&surface.positions, &used);
-    let unit: Vec<Vec3> = gather(&vectors.unit, &used).into_iter().map(|n| tilted(n, options.lean)).collect();
+    let (base, full) = (gather(&surface.positions, &used), gather(&tops, &used));
     let among_used = |all: &[u32]| -> Vec<u32> {
         all.iter().filter_map(|v| used.binary_search(v).ok()).map(|i| i as u32).collect()
     };
-    report.cancelled_normals = among_used(&vectors.cancelled);
-    report.turned_normals = among_used(&vectors.turned).len();
+    report.cancelled_normals = among_used(&cancelled);
+    report.turned_normals = among_used(&turned).len();
 
-    let Settled { top, kept, mut folds, mended_vertices, shortest } = settle(&base, &unit, &patches, options);
+    let Settled { top, kept, mut folds, mended_vertices, shortest } = settle(&base, &full, &patches, options);
     if let (Folds::Refuse, Some(&first)) = (options.folds, folds.first()) {
         return Err(SkinError::Folded { mesh: mesh.name.clone(), count: folds.len(), first });
     }

@@ -17,7 +17,7 @@
 //! |---|---|
 //! | the selected faces, welded, without the degenerate ones | `polygon` |
 //! | without texture coordinates and with triangles: every n-gon becomes n quads | `refine` |
-//! | one vector a vertex, from the faces around it | `normals` |
+//! | one vector a vertex, from the faces around it; or from a second mesh | `normals`, `cage` |
 //! | quads and triangles become patches; texel coordinates | `dressing` |
 //! | every box is certified; folded ones are mended, left out or refused | `validate` |
 //!
@@ -25,6 +25,7 @@
 //! points, to the last bit, seen from either side.
 #![warn(missing_docs)]
 
+mod cage;
 mod charts;
 mod dressing;
 mod error;
@@ -39,6 +40,7 @@ mod report;
 pub mod surface;
 mod validate;
 
+pub use cage::{cage, mean_height};
 pub use error::SkinError;
 pub use extrude::extrude;
 pub use options::{Border, Folds, Layout, SkinOptions};

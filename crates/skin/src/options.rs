@@ -43,7 +43,7 @@ pub enum Border {
     Mesh,
 }
 
-/// How [`extrude`](crate::extrude) makes a skin.
+/// How [`extrude`](crate::extrude) or [`cage`](crate::cage) makes a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -51,10 +51,10 @@ pub enum Border {
     serde(default, deny_unknown_fields)
 )]
 pub struct SkinOptions {
-    /// Length of the vertex vectors, in metres; positive, at most [`Mesh::POSITION_LIMIT`].
+    /// Length of the vertex vectors, in metres; positive, at most [`Mesh::POSITION_LIMIT`]. A cage has its own.
     pub height: f32,
     /// Tilts every vector the same way, as wind or weight would: its part across a vertex's unit normal is added
-    /// to that normal (a length of 1 tilts by 45°, where it lies in the surface). Zero leaves them upright.
+    /// to that normal (a length of 1 tilts by 45°, where it lies in the surface). Zero leaves them upright; a cage wants zero.
     pub lean: Vec3,
     /// Where texel coordinates come from.
     pub layout: Layout,

@@ -48,22 +48,42 @@ impl Polygon {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surface {
     pub positions: Vec<Vec3>,
+    /// Where the box over each position reaches, where that was given ([`crate::cage`]).
+    pub tops: Option<Vec<Vec3>>,
     pub polygons: Vec<Polygon>,
     /// Faces that get no box, but count for the vectors of the vertices they share ([`crate::Border::Mesh`]).
     pub bystanders: Vec<Polygon>,
 }
 
-/// Collects the faces for which `selected` holds, and with `bystanders` the others too.
+impl Surface {
+    /// Adds the vertex in the middle of others, and its top where there are tops; the result is its index. Two
+    /// vertices give the same bits in either order.
+    pub fn middle(&mut self, of: &[u32]) -> u32 {
+        let mean = |points: &[Vec3]| {
+            let sum: DVec3 = of.iter().map(|&i| points[i as usize].as_dvec3()).sum();
+            (sum / of.len() as f64).as_vec3()
+        };
+        self.positions.push(mean(&self.positions));
+        if let Some(tops) = &mut self.tops {
+            tops.push(mean(tops));
+        }
+        (self.positions.len() - 1) as u32
+    }
+}
+
+/// Collects the faces for which `selected` holds, and with `bystanders` the others too; `tops` has one point a vertex
+/// of the mesh.
 ///
-/// Vertices at exactly the same position become one (0 and −0 are the same), so that a mesh split at its
-/// texture seams still has one vector a point. Quads with two equal corners in a row become triangles.
+/// Vertices at exactly the same position (with the same top, where there are tops) become one, so that a mesh split
+/// at its texture seams still has one vector a point. Quads with two equal corners in a row become triangles.
 pub(crate) fn collect(
     mesh: &Mesh,
+    tops: Option<Vec<Vec3>>,
     selected: &dyn Fn(usize) -> bool,
     bystanders: bool,
     report: &mut Report,
 ) -> Surface {
-    let welded = weld(mesh, report);
+    let welded = weld(mesh, tops.as_deref(), report);
     let wanted: Vec<bool> = (0..mesh.faces.len()).map(selected).collect();
     let polygons: Vec<Option<Polygon>> = mesh
         .faces
@@ -74,7 +94,7 @@ pub(crate) fn collect(
             distinct_corners(face, index as u32, uvs, &welded).filter(|p| has_area(p, &mesh.positions))
         })
         .collect();
-    let mut surface = Surface { positions: mesh.positions.clone(), ..Surface::default() };
+    let mut surface = Surface { positions: mesh.positions.clone(), tops, ..Surface::default() };
     for (index, (polygon, wanted)) in polygons.into_iter().zip(wanted).enumerate() {
         match polygon {
             Some(polygon) if wanted => surface.polygons.push(polygon),
@@ -87,15 +107,26 @@ pub(crate) fn collect(
     surface
 }
 
-/// For each vertex of the mesh, the first one at the same position.
-fn weld(mesh: &Mesh, report: &mut Report) -> Vec<u32> {
+/// What points at exactly the same position have in common, and only those.
+pub(crate) type Place = [u32; 3];
+
+/// The place of a point; 0 and −0 are the same.
+pub(crate) fn place(point: Vec3) -> Place {
+    // Adding zero turns −0 into 0.
+    point.to_array().map(|x| (x + 0.0).to_bits())
+}
+
+/// For each vertex of the mesh, the first one at the same position, and with the same top.
+fn weld(mesh: &Mesh, tops: Option<&[Vec3]>, report: &mut Report) -> Vec<u32> {
     let mut used = vec![false; mesh.positions.len()];
     for &i in mesh.faces.iter().flat_map(Face::corners) {
         used[i as usize] = true;
     }
-    // Adding zero turns −0 into 0.
-    let key = |i: u32| mesh.positions[i as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut places: Vec<([u32; 3], u32)> =
+    let key = |i: u32| {
+        let of = |points: &[Vec3]| place(points[i as usize]);
+        (of(&mesh.positions), tops.map(of))
+    };
+    let mut places: Vec<((Place, Option<Place>), u32)> =
         (0..used.len() as u32).filter(|&i| used[i as usize]).map(|i| (key(i), i)).collect();
     report.isolated_vertices = used.len() - places.len();
     places.par_sort_unstable();

@@ -46,7 +46,7 @@ impl fmt::Display for Fold {
     }
 }
 
-/// What [`extrude`](crate::extrude) met and did.
+/// What [`extrude`](crate::extrude) or [`cage`](crate::cage) met and did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Boxes on quads, in the finished skin.
@@ -55,6 +55,8 @@ pub struct Report {
     pub prisms: usize,
     /// Vertices of the mesh merged into an earlier one at exactly the same position.
     pub welded_vertices: usize,
+    /// Vertices of a cage's base that have more than one top: the boxes around them do not share all their walls.
+    pub torn_vertices: usize,
     /// Vertices of the mesh that no face uses.
     pub isolated_vertices: usize,
     /// Faces of the mesh without area (or with fewer than three distinct corners); they get no box.
@@ -128,6 +130,7 @@ impl fmt::Display for Report {
         note(self.zero_area_faces.len(), "faces without area left out")?;
         note(self.duplicate_faces.len(), "duplicate faces left out")?;
         note(self.welded_vertices, "coincident vertices welded")?;
+        note(self.torn_vertices, "vertices with more than one top")?;
         note(self.isolated_vertices, "vertices without a face")?;
         note(self.open_edges, "open edges")?;
         note(self.non_manifold_edges, "edges with more than two faces")?;

@@ -57,21 +57,22 @@ pub(crate) struct Settled {
     pub shortest: f32,
 }
 
-/// Erects the boxes, `options.height` along each of `unit`, and deals with those that are folded.
+/// Erects the boxes from `base` to `full`, and deals with those that are folded.
 ///
 /// Mending shortens all the vectors of a folded box by a factor and checks every box that shares one of them, until
 /// none is folded. A box that would be folded even at the shortest height allowed is left out at once, so
 /// that its neighbours are not shortened for nothing. Every round shortens a vector or leaves out a box, and a box
 /// whose vectors are all at their shortest is either valid or left out, so the rounds end.
-pub(crate) fn settle(base: &[Vec3], unit: &[Vec3], patches: &[Patch], options: &SkinOptions) -> Settled {
+pub(crate) fn settle(base: &[Vec3], full: &[Vec3], patches: &[Patch], options: &SkinOptions) -> Settled {
     let reach = |scale: &[f32]| -> Vec<Vec3> {
-        let vertices = base.par_iter().zip(unit).zip(scale);
-        vertices.map(|((b, n), s)| *b + s * options.height * *n).collect()
+        let vertices = base.par_iter().zip(full).zip(scale);
+        // What is not shortened keeps its bits.
+        vertices.map(|((b, f), &s)| if s == 1.0 { *f } else { *b + s * (*f - *b) }).collect()
     };
     let depth = options.certificate_depth;
     let mut scale = vec![1.0; base.len()];
     let mut settled = Settled {
-        top: reach(&scale),
+        top: full.to_vec(),
         kept: vec![true; patches.len()],
         folds: Vec::new(),
         mended_vertices: 0,

@@ -7,14 +7,19 @@ use pelage_geom::Symmetric3;
 use rayon::prelude::*;
 
 use crate::bricks::Bricks;
+use crate::calibrate::{Sightline, calibrate};
 use crate::coverage::{ICOSAHEDRON, Matter, SIXTEEN, Sight, View, fit};
+use crate::exposure::{self, Surroundings};
 use crate::grid::Frame;
 use crate::openness;
 use crate::own_shadow::{Seen, kappa};
 use crate::packed::Packed;
 use crate::region::{Parts, Region};
 use crate::voxelise::{Cells, Facet, tile};
-use crate::{BuildError, Geometry, Level, Texel, Voxel};
+use crate::{BuildError, Level, Source, Texel, Voxel};
+
+/// How many sightlines each level is held against.
+const SIGHTLINES: usize = 1 << 15;
 
 /// How a texel is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +98,7 @@ struct Sampling {
     points: usize,
 }
 
-/// Builds a texel. `progress` is told the fraction done, 0 to 1, from any thread.
+/// Builds a texel from triangles or from a kind that grows them, and keeps its source. `progress` is told the fraction done, 0 to 1, from any thread.
 ///
 /// Geometry without area in the texel gives an empty texel, in which every walk meets nothing. The result has
 /// the same bits for any number of threads.
@@ -102,12 +107,21 @@ struct Sampling {
 /// Numbers out of their domain, with their field or triangle; geometry beyond 32-bit indices.
 pub fn build(
     name: &str,
-    geometry: &Geometry,
+    source: impl Into<Source>,
     options: &BuildOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Texel, BuildError> {
-    geometry.validate()?;
+    build_source(name, source.into(), options, progress)
+}
+
+fn build_source(
+    name: &str,
+    source: Source,
+    options: &BuildOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Texel, BuildError> {
     options.validate()?;
+    let geometry = source.sound_geometry()?;
     progress(0.0);
     let facets = tile(&geometry.triangles, &geometry.colors, options.periodic);
     if u32::try_from(facets.len()).is_err() {
@@ -135,8 +149,20 @@ pub fn build(
         let voxels = measure_level(&facets, cells, level, options, &report);
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
+    let mut levels: Vec<Level> = levels.collect();
+    let finest = levels.len() - 1;
+    let grid = finest.min(6);
+    let scene = Surroundings::new(&facets, &lists[grid], &levels[grid]);
+    let sightlines = Sightline::cast(&scene, SIGHTLINES, options.periodic);
+    for level in &mut levels {
+        calibrate(level, &sightlines);
+    }
+    let surfels = exposure::measure(&facets, &lists, &levels);
+    for (level, surfels) in levels.iter_mut().zip(surfels) {
+        level.set_surfels(surfels);
+    }
     let mut texel =
-        Texel::new(name, [geometry.specular, geometry.roughness], options.periodic, levels.collect());
+        Texel::new(name, source, [geometry.specular, geometry.roughness], options.periodic, levels);
     openness::fill(&mut texel);
     progress(1.0);
     Ok(texel)

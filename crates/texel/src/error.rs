@@ -3,6 +3,9 @@
 /// Why a texel cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
+    /// There is nothing to build from: the source is [`Source::Unknown`](crate::Source::Unknown).
+    #[error("the source is unknown: there is nothing to build from")]
+    Sourceless,
     /// A corner is NaN or infinite.
     #[error("triangle {triangle}: corner {corner} is not a finite number")]
     NonFinite {
@@ -42,6 +45,14 @@ pub enum BuildError {
         value: f64,
         /// What it may hold.
         domain: &'static str,
+    },
+    /// A kind would grow more triangles than are grown.
+    #[error("{count} triangles would grow, and at most {most} do")]
+    Heavy {
+        /// How many.
+        count: u64,
+        /// The limit.
+        most: u64,
     },
     /// More triangles, or more of them together in cells, than 32-bit indices can name.
     #[error("{count} {what} are more than a texel can index")]

@@ -1,8 +1,8 @@
 //! Builds, freezes and walks texels: cubes of volumetric texture with data at every level of detail.
 //!
 //! A texel is the cube `[0, 1]³` in (s, t, w), w away from the surface, usually periodic in s and t. Level l
-//! has `2^l` voxels a side, 0 to its depth. Content comes as triangles ([`Geometry`], from a [`Procedure`] such
-//! as [`Fur`]); [`build()`] measures every level from them, never from the level below; the result is frozen
+//! has `2^l` voxels a side, 0 to its depth. Content comes as triangles ([`Geometry`], one's own or grown by a
+//! [`Procedure`] such as [`Fur`]); [`build()`] measures every level from them, never from the level below; the result is frozen
 //! ([`Texel`]) and only walked ([`Level::walk`]).
 //!
 //! ```text
@@ -14,9 +14,12 @@
 
 mod bricks;
 mod build;
+mod calibrate;
 mod coverage;
 mod error;
+mod exposure;
 mod grid;
+mod kinds;
 mod line;
 mod octree;
 mod openness;
@@ -27,16 +30,19 @@ mod random;
 mod raster;
 mod region;
 mod silhouette;
-mod strands;
+mod source;
+mod surfel;
 mod traverse;
 mod voxel;
 mod voxelise;
 
 pub use build::{BuildOptions, build};
 pub use error::{BuildError, TexelError};
+pub use kinds::{Fur, Grass, Kind, Leaves, Preset, Sheet, Spheres};
 pub use line::{Crossing, Line};
 pub use octree::{Level, Texel};
 pub use procedure::{Geometry, Procedure};
-pub use strands::Fur;
+pub use source::Source;
+pub use surfel::Surfel;
 pub use traverse::{Step, Walk};
 pub use voxel::Voxel;

@@ -75,12 +75,12 @@ impl Line {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use crate::{BuildOptions, Fur, Procedure, build};
+    use crate::{BuildOptions, Fur, build};
 
     #[test]
     fn crossing_is_clip_and_depth() {
         let fur = Fur { count: 30, ..Fur::long() };
-        let texel = build("fur", &fur.geometry(), &BuildOptions::preview(), &|_| ()).unwrap();
+        let texel = build("fur", fur, &BuildOptions::preview(), &|_| ()).unwrap();
         let mut met = 0;
         for level in texel.levels() {
             for trial in 0..8 * level.len() as u32 {

@@ -5,19 +5,21 @@ use glam::{IVec3, Vec3};
 
 use crate::bricks::Bricks;
 use crate::packed::Packed;
-use crate::{Crossing, Line, TexelError, Voxel, Walk};
+use crate::surfel::Surfels;
+use crate::{Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
 
 /// One level: `2^l` voxels a side, of which only the occupied ones are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     bricks: Bricks,
     voxels: Vec<Packed>,
+    surfels: Surfels,
     periodic: bool,
 }
 
 impl Level {
     pub(crate) fn new(bricks: Bricks, voxels: Vec<Packed>, periodic: bool) -> Self {
-        Self { bricks, voxels, periodic }
+        Self { bricks, voxels, surfels: Surfels::default(), periodic }
     }
 
     /// Voxels a side.
@@ -42,6 +44,13 @@ impl Level {
     #[inline]
     pub fn voxel(&self, index: u32) -> Voxel {
         self.voxels[index as usize].unpack()
+    }
+
+    /// Points of the surface in the voxel of that index. None where all of it is one open sheet, which the voxel's own
+    /// normal describes.
+    #[inline]
+    pub fn surfels(&self, index: u32) -> &[Surfel] {
+        self.surfels.of(index)
     }
 
     /// What `line` (in voxels of this level) meets between the parameters `range` in the voxel `index`, standing in
@@ -80,7 +89,11 @@ impl Level {
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        self.bricks.memory() + size_of_val(self.voxels.as_slice())
+        self.bricks.memory() + size_of_val(self.voxels.as_slice()) + self.surfels.memory()
+    }
+
+    pub(crate) fn set_surfels(&mut self, surfels: Surfels) {
+        self.surfels = surfels;
     }
 
     pub(crate) fn voxels_mut(&mut self) -> &mut [Packed] {
@@ -99,13 +112,31 @@ pub struct Texel {
     pub roughness: f32,
     /// Whether it repeats in s and t.
     pub periodic: bool,
+    source: Source,
     levels: Vec<Level>,
 }
 
 impl Texel {
-    pub(crate) fn new(name: &str, material: [f32; 2], periodic: bool, levels: Vec<Level>) -> Self {
+    pub(crate) fn new(
+        name: &str,
+        source: Source,
+        material: [f32; 2],
+        periodic: bool,
+        levels: Vec<Level>,
+    ) -> Self {
         let [specular, roughness] = material;
-        Self { name: name.to_owned(), specular, roughness, periodic, levels }
+        Self { name: name.to_owned(), specular, roughness, periodic, source, levels }
+    }
+
+    /// What it was made from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// The same texel, its source forgotten.
+    pub fn without_source(mut self) -> Self {
+        self.source = Source::Unknown;
+        self
     }
 
     /// The finest level's number.

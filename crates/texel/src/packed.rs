@@ -47,7 +47,6 @@ impl Packed {
         let largest = entries.iter().fold(1e-30_f32, |largest, e| largest.max(e.abs()));
         // The smallest power of two that brings the largest entry under 2¹⁵.
         let exponent = ((largest / 32767.0).log2().ceil() + 127.0).clamp(1.0, 254.0) as u8;
-        let bytes = |v: Vec3| v.to_array().map(|c| (255.0 * c).round() as u8);
         Self {
             sigma: entries.map(|e| (e / power(exponent)).round() as i16),
             normal: octahedral(voxel.slab_normal),
@@ -102,9 +101,14 @@ impl Packed {
     }
 }
 
+/// Numbers in `[0, 1]` as bytes.
+pub(crate) fn bytes(v: Vec3) -> [u8; 3] {
+    v.to_array().map(|c| (255.0 * c).round() as u8)
+}
+
 /// Bytes as numbers in `[0, 1]`.
 #[inline]
-fn unit(bytes: [u8; 3]) -> Vec3 {
+pub(crate) fn unit(bytes: [u8; 3]) -> Vec3 {
     Vec3::from_array(bytes.map(f32::from)) * (1.0 / 255.0)
 }
 
@@ -115,14 +119,14 @@ fn power(exponent: u8) -> f32 {
 }
 
 /// The unit vector's point on the octahedron, unfolded into a square [Cigolle14].
-fn octahedral(n: Vec3) -> [i16; 2] {
+pub(crate) fn octahedral(n: Vec3) -> [i16; 2] {
     let p = n / n.abs().element_sum();
     let p = if p.z < 0.0 { fold(p.truncate()) } else { p.truncate() };
     p.to_array().map(|c| (32767.0 * c).round() as i16)
 }
 
 #[inline]
-fn normal(square: [i16; 2]) -> Vec3 {
+pub(crate) fn normal(square: [i16; 2]) -> Vec3 {
     let p = Vec2::from_array(square.map(f32::from)) * (1.0 / 32767.0);
     let z = 1.0 - p.x.abs() - p.y.abs();
     let p = if z < 0.0 { fold(p) } else { p };

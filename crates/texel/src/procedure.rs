@@ -68,8 +68,14 @@ impl Geometry {
 /// Something that makes a texel's content.
 pub trait Procedure {
     /// What to call the texel.
-    fn name(&self) -> &str;
+    fn name(&self) -> &'static str;
 
-    /// The content; the same bits every time.
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// [`BuildError::Parameter`] for the first that is out of its domain.
+    fn validate(&self) -> Result<(), BuildError>;
+
+    /// The content; the same bits every time. What does not [`validate`](Self::validate) gives anything at all.
     fn geometry(&self) -> Geometry;
 }

@@ -12,7 +12,7 @@ fn fur(count: u32) -> Fur {
 }
 
 fn built(geometry: &Geometry, depth: u32) -> Texel {
-    let texel = build("test", geometry, &options(depth), &|_| ()).unwrap();
+    let texel = build("test", geometry.clone(), &options(depth), &|_| ()).unwrap();
     assert_eq!(texel.validate(), Ok(()));
     texel
 }
@@ -65,8 +65,9 @@ fn one(triangle: [Vec3; 3]) -> Geometry {
 
 #[test]
 fn what_cannot_be_built_is_named() {
-    let refuse =
-        |geometry: &Geometry, options: &BuildOptions| build("", geometry, options, &|_| ()).unwrap_err();
+    let refuse = |geometry: &Geometry, options: &BuildOptions| {
+        build("", geometry.clone(), options, &|_| ()).unwrap_err()
+    };
     let sound = fur(5).geometry();
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut geometry = sound.clone();
@@ -163,7 +164,7 @@ fn progress_ends_at_one() {
         let mut last = last.lock().unwrap();
         *last = last.max(done);
     };
-    build("test", &fur(10).geometry(), &options(3), &report).unwrap();
+    build("test", fur(10), &options(3), &report).unwrap();
     assert_eq!(*last.lock().unwrap(), 1.0);
 }
 

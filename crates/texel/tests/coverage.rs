@@ -90,7 +90,7 @@ fn options(depth: u32) -> BuildOptions {
 
 /// Mean alpha over all directions, level over geometry; and the worst direction's difference.
 fn bias(name: &str, geometry: &Geometry, depth: u32, rays: u32) -> Vec<[f32; 2]> {
-    let texel = build(name, geometry, &options(depth), &|_| ()).unwrap();
+    let texel = build(name, geometry.clone(), &options(depth), &|_| ()).unwrap();
     assert_eq!(texel.validate(), Ok(()));
     let rows = alphas(geometry, &texel, rays);
     let exact: f32 = rows.iter().map(|row| row.1).sum();
@@ -153,7 +153,8 @@ fn a_tilted_sheet_is_opaque_at_every_level() {
     for slope in [Vec2::ZERO, Vec2::new(0.3, 0.0), Vec2::new(0.35, -0.22), Vec2::new(-0.61, 0.3)] {
         let geometry = sheet(slope);
         let texel =
-            build("sheet", &geometry, &BuildOptions { periodic: false, ..options(7) }, &|_| ()).unwrap();
+            build("sheet", geometry.clone(), &BuildOptions { periodic: false, ..options(7) }, &|_| ())
+                .unwrap();
         for (l, level) in texel.levels().iter().enumerate() {
             for d in directions().iter().chain(&[Vec3::new(0.2, 0.9, -0.35), Vec3::new(-0.8, 0.33, 0.5)]) {
                 let [mut sum, mut worst, mut count] = [0.0_f32; 3];

@@ -1,4 +1,5 @@
-//! The bounding volume hierarchy: the one file that knows obvhs.
+//! The bounding volume hierarchies: the one file that knows obvhs. [`Accel`] answers rays one by one; [`Tree`] is
+//! walked from outside.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -6,6 +7,7 @@ use std::time::Duration;
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::{builder::build_bvh2, node::Bvh2Node};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray as BvhRay, RayHit};
 use pelage_geom::Ray;
@@ -21,50 +23,15 @@ pub(crate) struct Accel {
 }
 
 impl Accel {
-    /// Builds the tree over finite bounds. Primitives with the same bounds share a leaf, because the builder's
-    /// time is quadratic in coincident ones.
+    /// Builds the tree over finite bounds.
     pub(crate) fn new(bounds: &[[Vec3; 2]]) -> Self {
-        let mut leaf_of: HashMap<[u32; 6], u32> = HashMap::with_capacity(bounds.len());
-        let mut leaves: Vec<Aabb> = Vec::with_capacity(bounds.len());
-        let mut leaf: Vec<u32> = Vec::with_capacity(bounds.len());
-        let mut extent = 0.0_f32;
-        for &[lo, hi] in bounds {
-            let key = [lo.x, lo.y, lo.z, hi.x, hi.y, hi.z].map(f32::to_bits);
-            leaf.push(*leaf_of.entry(key).or_insert_with(|| {
-                leaves.push(Aabb::new(Vec3A::from(lo), Vec3A::from(hi)));
-                leaves.len() as u32 - 1
-            }));
-            extent = extent.max(lo.abs().max(hi.abs()).max_element());
-        }
-        // A few units in the last place around each box make up for the rounding of the ray to `f32`.
-        let margin = Vec3A::splat(8.0 * f32::EPSILON * extent);
-        for b in &mut leaves {
-            *b = Aabb::new(b.min - margin, b.max + margin);
-        }
+        let Leaves { bounds: leaves, leaf_of, extent } = Leaves::new(bounds);
         let bvh = if leaves.is_empty() {
             CwBvh::default()
         } else {
             build_cwbvh(&leaves, BvhBuildParams::medium_build(), &mut Duration::default())
         };
-        // Leaves in the order of the tree, so that its own indices lead straight to the members.
-        let mut place = vec![0_u32; leaves.len()];
-        for (position, &i) in bvh.primitive_indices.iter().enumerate() {
-            place[i as usize] = position as u32;
-        }
-        let mut first = vec![0_u32; leaves.len() + 1];
-        for &l in &leaf {
-            first[place[l as usize] as usize + 1] += 1;
-        }
-        for i in 1..first.len() {
-            first[i] += first[i - 1];
-        }
-        let mut next = first.clone();
-        let mut members = vec![0_u32; leaf.len()];
-        for (primitive, &l) in leaf.iter().enumerate() {
-            let slot = &mut next[place[l as usize] as usize];
-            members[*slot as usize] = primitive as u32;
-            *slot += 1;
-        }
+        let (first, members) = in_order(&leaf_of, &bvh.primitive_indices);
         Self { bvh, first, members, extent: f64::from(extent) }
     }
 
@@ -143,6 +110,116 @@ impl Accel {
     }
 }
 
+/// A binary tree over bounds, for those who walk it themselves.
+pub(crate) struct Tree {
+    /// The root first; none for a tree over nothing.
+    pub nodes: Vec<Node>,
+    /// Primitives, as leaves name them.
+    members: Vec<u32>,
+}
+
+/// A node of a [`Tree`].
+pub(crate) struct Node {
+    /// The smallest and largest coordinates below it, a few units in the last place apart from what they bound.
+    pub bounds: [Vec3A; 2],
+    /// Of a leaf its members; of an inner node its first child, the second following it, and 0.
+    first: u32,
+    count: u32,
+}
+
+impl Tree {
+    /// Builds the tree over finite bounds.
+    pub(crate) fn new(bounds: &[[Vec3; 2]]) -> Self {
+        let Leaves { bounds: leaves, leaf_of, .. } = Leaves::new(bounds);
+        if leaves.is_empty() {
+            return Self { nodes: vec![], members: vec![] };
+        }
+        let bvh = build_bvh2(&leaves, BvhBuildParams::medium_build(), &mut Duration::default());
+        let (first, members) = in_order(&leaf_of, &bvh.primitive_indices);
+        let node = |n: &Bvh2Node| {
+            let bounds = [n.aabb.min, n.aabb.max];
+            if n.prim_count == 0 {
+                return Node { bounds, first: n.first_index, count: 0 };
+            }
+            let begin = first[n.first_index as usize];
+            Node { bounds, first: begin, count: first[(n.first_index + n.prim_count) as usize] - begin }
+        };
+        Self { nodes: bvh.nodes.iter().map(node).collect(), members }
+    }
+
+    /// The two nodes below a node, if it is not a leaf.
+    pub(crate) fn children(&self, node: &Node) -> Option<[u32; 2]> {
+        (node.count == 0).then_some([node.first, node.first + 1])
+    }
+
+    /// The primitives of a leaf.
+    pub(crate) fn members_of(&self, node: &Node) -> &[u32] {
+        &self.members[node.first as usize..(node.first + node.count) as usize]
+    }
+
+    /// Bytes held.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.members.as_slice())
+    }
+}
+
+/// What a tree is built over: primitives with the same bounds share a leaf, because the builder's time is quadratic
+/// in coincident ones.
+struct Leaves {
+    bounds: Vec<Aabb>,
+    /// By primitive.
+    leaf_of: Vec<u32>,
+    /// The largest coordinate in magnitude.
+    extent: f32,
+}
+
+impl Leaves {
+    fn new(bounds: &[[Vec3; 2]]) -> Self {
+        let mut known: HashMap<[u32; 6], u32> = HashMap::with_capacity(bounds.len());
+        let mut leaves: Vec<Aabb> = Vec::with_capacity(bounds.len());
+        let mut leaf_of: Vec<u32> = Vec::with_capacity(bounds.len());
+        let mut extent = 0.0_f32;
+        for &[lo, hi] in bounds {
+            let key = [lo.x, lo.y, lo.z, hi.x, hi.y, hi.z].map(f32::to_bits);
+            leaf_of.push(*known.entry(key).or_insert_with(|| {
+                leaves.push(Aabb::new(Vec3A::from(lo), Vec3A::from(hi)));
+                leaves.len() as u32 - 1
+            }));
+            extent = extent.max(lo.abs().max(hi.abs()).max_element());
+        }
+        // A few units in the last place around each box make up for the rounding of the ray to `f32`.
+        let margin = Vec3A::splat(8.0 * f32::EPSILON * extent);
+        for b in &mut leaves {
+            *b = Aabb::new(b.min - margin, b.max + margin);
+        }
+        Self { bounds: leaves, leaf_of, extent }
+    }
+}
+
+/// Primitives in the order of the tree's leaves, so that its own indices lead straight to them: leaf `i` of the tree
+/// holds `members[first[i]..first[i + 1]]`.
+fn in_order(leaf_of: &[u32], tree: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let mut place = vec![0_u32; tree.len()];
+    for (position, &i) in tree.iter().enumerate() {
+        place[i as usize] = position as u32;
+    }
+    let mut first = vec![0_u32; tree.len() + 1];
+    for &l in leaf_of {
+        first[place[l as usize] as usize + 1] += 1;
+    }
+    for i in 1..first.len() {
+        first[i] += first[i - 1];
+    }
+    let mut next = first.clone();
+    let mut members = vec![0_u32; leaf_of.len()];
+    for (primitive, &l) in leaf_of.iter().enumerate() {
+        let slot = &mut next[place[l as usize] as usize];
+        members[*slot as usize] = primitive as u32;
+        *slot += 1;
+    }
+    (first, members)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,5 +273,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_primitive_is_in_one_leaf_below_bounds_that_hold_it() {
+        // Some of them coincide, and share a leaf.
+        let bounds: Vec<_> =
+            (0..500).map(|i| unit_box(Vec3::splat((i % 400) as f32) * Vec3::new(0.7, 0.1, 0.3))).collect();
+        let tree = Tree::new(&bounds);
+        let mut found = vec![];
+        let mut open = vec![(0_u32, [Vec3A::NEG_INFINITY, Vec3A::INFINITY])];
+        while let Some((node, [lo, hi])) = open.pop() {
+            let node = &tree.nodes[node as usize];
+            assert!(node.bounds[0].cmpge(lo).all() && node.bounds[1].cmple(hi).all());
+            match tree.children(node) {
+                Some(children) => open.extend(children.map(|child| (child, node.bounds))),
+                None => found.extend(tree.members_of(node).iter().map(|&i| (i, node.bounds))),
+            }
+        }
+        found.sort_unstable_by_key(|(i, _)| *i);
+        assert_eq!(found.len(), bounds.len());
+        for (expected, (i, [lo, hi])) in found.into_iter().enumerate() {
+            assert_eq!(i as usize, expected);
+            let [a, b] = bounds[expected].map(Vec3A::from);
+            assert!(a.cmpge(lo).all() && b.cmple(hi).all());
+        }
+        assert!(Tree::new(&[]).nodes.is_empty());
     }
 }

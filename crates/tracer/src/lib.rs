@@ -2,7 +2,7 @@
 //!
 //! [`Scene::new`] compiles a [`Description`]; [`render`] makes a [`Film`] of it. The main path runs from
 //! [`render`] through `cone`: a pixel's rays collect what they see, what is seen twice is merged, then lit.
-//! No file, no format, no printing.
+//! [`mod@reference`] makes the same picture from explicit geometry, to judge it by. No file, no format, no printing.
 #![warn(missing_docs)]
 
 mod accel;
@@ -10,6 +10,7 @@ mod camera;
 mod cone;
 mod film;
 mod light;
+pub mod reference;
 mod render;
 mod scene;
 mod settings;

@@ -106,7 +106,7 @@ pub fn render(
 }
 
 /// The part of the picture to render, if everything can be used.
-fn check(camera: &Camera, settings: &Settings) -> Result<Rect, RenderError> {
+pub(crate) fn check(camera: &Camera, settings: &Settings) -> Result<Rect, RenderError> {
     let bad = |field, reason: String| Err(RenderError::Setting { field, reason });
     let [width, height] = settings.size;
     let pixels = u64::from(width) * u64::from(height);
@@ -169,17 +169,12 @@ fn pixel(
     for seen in &view.surfaces {
         color += seen.weight * shader.surface(scene, settings, seen);
     }
-    // The heaviest voxels are lit one by one; what little the others add is lit as those are in the mean.
-    let (heavy, light) = view.voxels.split_at(view.voxels.len().min(settings.lit_voxels.max(1) as usize));
-    let weight = |voxels: &[SeenVoxel]| voxels.iter().map(|v| v.weight).sum::<f32>();
-    let lit: Vec3 = heavy.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum();
-    color += lit;
-    if !light.is_empty() {
-        color += weight(light) / weight(heavy) * lit;
-    }
-
     let alpha = (1.0 - background).clamp(0.0, 1.0);
-    Pixel { color, alpha, depth: median_depth(camera, view, alpha) }
+    let depth = median_depth(camera, view, alpha);
+    view.choose(settings.lit_voxels as usize);
+    color += view.voxels.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum::<Vec3>();
+
+    Pixel { color, alpha, depth }
 }
 
 /// The depth along the view axis at which half of what is visible lies in front.

@@ -8,6 +8,7 @@ use pelage_skin::{Patch, Skin};
 use pelage_texel::Texel;
 
 use crate::accel::Accel;
+use crate::reference::Lighting;
 use crate::surface::Surfaces;
 use crate::{Environment, Light};
 
@@ -97,6 +98,22 @@ fn check_patch(skin: &Skin, patch: &Patch) -> Result<(), &'static str> {
     Ok(())
 }
 
+fn check_color(what: &'static str, index: usize, color: Vec3) -> Result<(), SceneError> {
+    if color.is_finite() && color.min_element() >= 0.0 {
+        Ok(())
+    } else {
+        Err(SceneError::Color { what, index })
+    }
+}
+
+/// Checks every light, and the light of the surroundings.
+pub(crate) fn check_lighting(lights: &[Light], environment: &Environment) -> Result<(), SceneError> {
+    for (light, l) in lights.iter().enumerate() {
+        l.check().map_err(|reason| SceneError::Light { light, reason })?;
+    }
+    [environment.sky, environment.ground].into_iter().try_for_each(|c| check_color("environment", 0, c))
+}
+
 /// A compiled scene: immutable, shared by all threads.
 pub struct Scene {
     pub(crate) coats: Vec<Coat>,
@@ -125,19 +142,15 @@ impl Scene {
         for mesh in &meshes {
             mesh.validate()?;
         }
-        for (light, l) in lights.iter().enumerate() {
-            l.check().map_err(|reason| SceneError::Light { light, reason })?;
-        }
-        let colors = (coats.iter().enumerate().map(|(i, c)| ("coat", i, c.tint)))
-            .chain(materials.iter().enumerate().flat_map(|(i, m)| {
+        check_lighting(&lights, &environment)?;
+        let colors = (coats.iter().enumerate().map(|(i, c)| ("coat", i, c.tint))).chain(
+            materials.iter().enumerate().flat_map(|(i, m)| {
                 [m.base_color, m.emissive, Vec3::new(m.specular, m.roughness, 0.0)]
                     .map(|c| ("material", i, c))
-            }))
-            .chain([environment.sky, environment.ground].map(|c| ("environment", 0, c)));
+            }),
+        );
         for (what, index, color) in colors {
-            if !(color.is_finite() && color.min_element() >= 0.0) {
-                return Err(SceneError::Color { what, index });
-            }
+            check_color(what, index, color)?;
         }
         let mut first_box = vec![0_u32];
         let mut box_bounds = vec![];
@@ -180,9 +193,30 @@ impl Scene {
         })
     }
 
+    /// Changes the light, and nothing else.
+    ///
+    /// # Errors
+    /// The first light that cannot be used, or an environment that is not a colour; the scene is then as it was.
+    pub fn set_lighting(&mut self, lighting: Lighting) -> Result<(), SceneError> {
+        check_lighting(&lighting.lights, &lighting.environment)?;
+        self.lights = lighting.lights;
+        self.environment = lighting.environment;
+        Ok(())
+    }
+
+    /// The light of the scene.
+    pub fn lighting(&self) -> Lighting {
+        Lighting { lights: self.lights.clone(), environment: self.environment }
+    }
+
     /// The smallest and largest coordinates of everything, or `None` for an empty scene.
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
         self.bounds
+    }
+
+    /// The coats, as they were described.
+    pub fn coats(&self) -> &[Coat] {
+        &self.coats
     }
 
     /// How many boxes stand in the scene.
@@ -195,8 +229,13 @@ impl Scene {
         self.surfaces.len()
     }
 
-    fn coat_index(&self, patch: u32) -> usize {
+    pub(crate) fn coat_index(&self, patch: u32) -> usize {
         self.first_box.partition_point(|&first| first <= patch) - 1
+    }
+
+    /// The numbers of the boxes of each coat.
+    pub(crate) fn boxes_of_coats(&self) -> impl Iterator<Item = std::ops::Range<u32>> + '_ {
+        self.first_box.windows(2).map(|ends| ends[0]..ends[1])
     }
 
     /// The place of a box among the patches of its own coat.

@@ -11,11 +11,12 @@ pub(crate) struct Surfaces {
     triangles: Vec<Triangle>,
 }
 
-struct Triangle {
-    corners: [Vec3; 3],
-    normals: [Vec3; 3],
-    uvs: [Vec2; 3],
-    material: MaterialId,
+/// An opaque triangle.
+pub(crate) struct Triangle {
+    pub corners: [Vec3; 3],
+    pub normals: [Vec3; 3],
+    pub uvs: [Vec2; 3],
+    pub material: MaterialId,
 }
 
 /// A point of an opaque surface, as a ray found it.
@@ -60,6 +61,11 @@ impl Surfaces {
     /// How many triangles there are.
     pub(crate) fn len(&self) -> usize {
         self.triangles.len()
+    }
+
+    /// The triangles, in the order of the meshes and their faces.
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = &Triangle> {
+        self.triangles.iter()
     }
 
     /// The first surface along the ray before `t_max`.
@@ -143,7 +149,7 @@ fn triangles_of(mesh: &Mesh, f: usize) -> impl Iterator<Item = Triangle> + '_ {
 ///
 /// Each edge is asked, in `f64` and from its two corners alone, on which side the ray passes; the answers of the
 /// two triangles at an edge are exact opposites, so no ray falls between them. [seed §4.1, the mixed product]
-fn intersect(corners: &[Vec3; 3], ray: &Ray, limit: f64) -> Option<(f64, Vec3)> {
+pub(crate) fn intersect(corners: &[Vec3; 3], ray: &Ray, limit: f64) -> Option<(f64, Vec3)> {
     let [a, b, c] = corners.map(|p| p.as_dvec3() - ray.origin);
     let d = ray.direction;
     let (u, v, w) = (d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b)));

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use pelage_geom::{Face, Mesh};
-use pelage_skin::{Skin, SkinOptions, extrude};
+use pelage_skin::{Skin, SkinOptions, cage, extrude, mean_height};
 
 use super::Loaded;
 use crate::error::{Error, FieldError};
@@ -13,9 +13,11 @@ use crate::scene_file::{SceneFile, SkinEntry};
 /// The faces of a mesh that wear a skin.
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
-    mesh: usize,
+    pub(super) mesh: usize,
     /// By face.
     selected: Vec<bool>,
+    /// Where the boxes end, if not at a height along the normals.
+    pub(super) top: Option<Mesh>,
 }
 
 /// A skin on a mesh.
@@ -33,23 +35,30 @@ impl Loaded {
     /// Raises the boxes of each skin on each mesh that wears it.
     ///
     /// # Errors
-    /// What [`extrude`] refuses.
+    /// What [`extrude`] and [`cage`] refuse.
     pub fn extrude(&self) -> Result<Vec<Dressed>, Error> {
         let mut skins = Vec::new();
         for (entry, (skin, selections)) in self.file.skin.iter().zip(&self.dressed).enumerate() {
             let bounds = selections.iter().filter_map(|s| self.imported.meshes[s.mesh].bounds());
-            let height = skin.height.unwrap_or_else(|| height_for(bounds));
-            for Selection { mesh, selected } in selections {
+            let common_height = skin.height.unwrap_or_else(|| height_for(bounds));
+            let aspect = skin.aspect.unwrap_or(SkinEntry::ASPECT);
+            for Selection { mesh, selected, top } in selections {
                 let on = &self.imported.meshes[*mesh];
-                let without_uvs = || on.uvs.is_none().then(|| copies_per_side(on, skin.aspect * height));
+                let selected = |face: usize| selected[face];
+                let height = top.as_ref().map_or(common_height, |top| mean_height(on, top, &selected));
+                let without_uvs = || on.uvs.is_none().then(|| copies_per_side(on, aspect * height));
                 let options = SkinOptions {
                     tiling: skin.tiling.or_else(without_uvs),
-                    aspect: skin.aspect,
+                    aspect,
                     lean: skin.lean.into(),
                     folds: skin.folds,
                     ..SkinOptions::new(height)
                 };
-                let skin = extrude(on, &|face| selected[face], &options).map_err(|source| {
+                let made = match top {
+                    None => extrude(on, &selected, &options),
+                    Some(top) => cage(on, top, &selected, &options),
+                };
+                let skin = made.map_err(|source| {
                     let field = format!("{}: skin[{entry}]", self.file.path.display());
                     Error::Skin { field, source }
                 })?;
@@ -90,7 +99,7 @@ pub(super) fn select(
     Ok(meshes
         .iter()
         .enumerate()
-        .map(|(i, mesh)| Selection { mesh: i, selected: selected(mesh) })
+        .map(|(i, mesh)| Selection { mesh: i, selected: selected(mesh), top: None })
         .filter(|s| s.selected.contains(&true))
         .collect())
 }

@@ -1,24 +1,27 @@
 //! From a described scene to one that can be rendered, in stages that callers can time: [`Loaded::new`],
 //! [`Loaded::bake`], [`Loaded::extrude`], [`Loaded::compile`].
 
+mod cage;
 mod dress;
 mod prepared;
 
 use std::sync::Arc;
 
-use glam::{EulerRot, Mat3, Mat4, Quat, Vec2, Vec3};
-use pelage_texel::{BuildOptions, Fur, Procedure, Texel, build};
+use glam::{EulerRot, Mat3, Mat4, Quat, Vec3};
+use pelage_texel::{BuildError, BuildOptions, Procedure, Texel, build};
+use pelage_tracer::reference::ReferenceSettings;
 use pelage_tracer::{Camera, Coat, Description, Environment, Light, Rect, Scene, Settings};
 
 pub use dress::Dressed;
 use dress::Selection;
 pub use prepared::Prepared;
 
+use crate::choices::Method;
 use crate::error::{Error, FieldError};
 use crate::import::{Fault, Files, ImportOptions, Imported, Place, import};
 use crate::names;
 use crate::output::Display;
-use crate::scene_file::{CameraEntry, FurEntry, LightEntry, SceneFile, TexelEntry};
+use crate::scene_file::{CameraEntry, GeometryEntry, LightEntry, SceneFile, TexelEntry};
 use crate::staging;
 
 /// A scene whose files have been read.
@@ -30,6 +33,8 @@ pub struct Loaded {
     pub imported: Imported,
     /// Which faces of which meshes each skin stands on.
     dressed: Vec<Vec<Selection>>,
+    /// Which entry of the geometry each mesh comes from.
+    origins: Vec<usize>,
 }
 
 impl Loaded {
@@ -40,38 +45,24 @@ impl Loaded {
     pub fn new(file: SceneFile) -> Result<Self, Error> {
         file.validate()?;
         let mut imported = Imported::default();
+        let mut origins = Vec::new();
         for (i, entry) in file.geometry.iter().enumerate() {
-            let options = ImportOptions {
-                up: entry.up,
-                unit: entry.unit,
-                allow_dirs: file.allow_dirs.clone(),
-                ..ImportOptions::default()
-            };
-            let path = file.path.with_file_name(&entry.file);
-            // A mesh file that is itself the scene was named by the user, wherever a link of that name leads.
-            if path != file.path {
-                let files = Files::around(&file.path, &file.allow_dirs, options.limits)?;
-                if let Err(fault @ Fault::Outside(_)) = files.resolve(&entry.file) {
-                    return Err(fault.at(&file.path, Place::Field(format!("geometry[{i}].file"))).into());
-                }
-            }
-            let mut part = import(&path, &options)?;
-            place(&mut part, entry.scale, entry.rotate, entry.translate);
-            for mesh in &part.meshes {
-                mesh.validate().map_err(|e| Fault::Mesh(e).at(&path, Place::File))?;
-            }
+            let part = read(&file, &entry.file, entry, &format!("geometry[{i}].file"))?;
+            origins.extend(part.meshes.iter().map(|_| i));
             imported.append(part);
         }
-        let dressed = file
-            .skin
-            .iter()
-            .enumerate()
-            .map(|(i, skin)| dress::select(&file, i, skin, &imported))
-            .collect::<Result<_, _>>()?;
+        let mut dressed = Vec::new();
+        for (i, skin) in file.skin.iter().enumerate() {
+            let mut selections = dress::select(&file, i, skin, &imported)?;
+            if let Some(entry) = &skin.cage {
+                cage::put_on(&mut selections, &file, i, entry, &mut imported, &origins)?;
+            }
+            dressed.push(selections);
+        }
         if let Some(CameraEntry::Named(name)) = &file.camera {
             camera_named(&file, &imported.cameras, name)?;
         }
-        Ok(Self { file, imported, dressed })
+        Ok(Self { file, imported, dressed, origins })
     }
 
     /// Builds the texel of each skin; equal ones are built once. `progress` is told the fraction done.
@@ -86,11 +77,11 @@ impl Loaded {
             let texel = match known {
                 Some(same) => texels[same].clone(),
                 None => {
-                    let TexelEntry::Fur(fur) = &entry.texel;
                     let field = || format!("{}: skin[{i}].texel", self.file.path.display());
                     let fraction = |f: f32| progress((i as f32 + f) / count);
                     Arc::new(
-                        bake_fur(fur, &fraction).map_err(|source| Error::Texel { field: field(), source })?,
+                        bake(&entry.texel, &fraction)
+                            .map_err(|source| Error::Texel { field: field(), source })?,
                     )
                 }
             };
@@ -104,7 +95,7 @@ impl Loaded {
     /// # Errors
     /// A camera that no file has; parts that do not make a scene.
     pub fn compile(self, texels: &[Arc<Texel>], skins: Vec<Dressed>) -> Result<Prepared, Error> {
-        let Self { file, imported, .. } = self;
+        let Self { file, imported, origins, .. } = self;
         let coats = skins
             .into_iter()
             .filter_map(|dressed| {
@@ -127,8 +118,10 @@ impl Loaded {
             }
             None => Environment::BLACK,
         };
+        let visible = |&origin: &usize| file.geometry[origin].visible;
+        let meshes = imported.meshes.into_iter().zip(&origins);
         let description = Description {
-            meshes: imported.meshes,
+            meshes: meshes.filter(|(_, origin)| visible(origin)).map(|(mesh, _)| mesh).collect(),
             coats,
             materials: imported.materials,
             textures: imported.textures,
@@ -149,11 +142,58 @@ impl Loaded {
             shadows: render.shadows,
             ..Settings::default()
         };
+        let reference = (render.method == Method::Reference).then(|| {
+            let Settings { size, crop, shadows, .. } = settings;
+            let default = ReferenceSettings::default();
+            ReferenceSettings {
+                size,
+                crop,
+                shadows,
+                samples: render.spp.unwrap_or(default.samples),
+                ..default
+            }
+        });
         let [lo, hi] = bounds;
         let automatic = staging::exposure(&lights, &environment, 0.5 * (lo + hi));
         let display = Display { exposure: automatic * render.exposure.exp2(), tone: render.tone };
-        Ok(Prepared { scene, camera, settings, display, environment, background: render.background })
+        Ok(Prepared {
+            scene,
+            camera,
+            settings,
+            reference,
+            display,
+            environment,
+            background: render.background,
+        })
     }
+}
+
+/// Reads the mesh file that `field` of a scene refers to, and puts it where `entry` says.
+fn read(file: &SceneFile, reference: &str, entry: &GeometryEntry, field: &str) -> Result<Imported, Error> {
+    let options = ImportOptions {
+        up: entry.up,
+        unit: entry.unit,
+        allow_dirs: file.allow_dirs.clone(),
+        ..ImportOptions::default()
+    };
+    let path = file.path.with_file_name(reference);
+    // A mesh file that is itself the scene was named by the user, wherever a link of that name leads.
+    if path != file.path {
+        let files = Files::around(&file.path, &file.allow_dirs, options.limits)?;
+        files.resolve(reference).map_err(|fault| {
+            let fault = match fault {
+                Fault::Io(source) => Fault::Reference { reference: reference.to_owned(), source },
+                other => other,
+            };
+            fault.at(&file.path, Place::Field(field.to_owned()))
+        })?;
+    }
+    let mut part = import(&path, &options)?;
+    place(&mut part, entry.scale, entry.rotate, entry.translate);
+    for mesh in &part.meshes {
+        mesh.validate().map_err(|e| Fault::Mesh(e).at(&path, Place::File))?;
+    }
+    Ok(part)
 }
 
 /// Scales, turns and moves all that a file holds.
@@ -189,24 +229,9 @@ fn place(part: &mut Imported, scale: f32, rotate: [f32; 3], translate: [f32; 3])
     }
 }
 
-fn bake_fur(entry: &FurEntry, progress: &(dyn Fn(f32) + Sync)) -> Result<Texel, pelage_texel::BuildError> {
-    let preset = entry.preset.fur();
-    let fur = Fur {
-        seed: entry.seed.unwrap_or(preset.seed),
-        count: entry.count.unwrap_or(preset.count),
-        length: entry.length.unwrap_or(preset.length),
-        length_variation: entry.length_variation.unwrap_or(preset.length_variation),
-        root_radius: entry.root_radius.unwrap_or(preset.root_radius),
-        tip_radius: entry.tip_radius.unwrap_or(preset.tip_radius),
-        lean: entry.lean.map_or(preset.lean, Vec2::from),
-        curl: entry.curl.unwrap_or(preset.curl),
-        clump: entry.clump.unwrap_or(preset.clump),
-        root_color: entry.root_color.map_or(preset.root_color, Vec3::from),
-        tip_color: entry.tip_color.map_or(preset.tip_color, Vec3::from),
-        ..preset
-    };
+fn bake(entry: &TexelEntry, progress: &(dyn Fn(f32) + Sync)) -> Result<Texel, BuildError> {
     let options = BuildOptions { depth: entry.resolution.ilog2(), ..BuildOptions::standard() };
-    build(fur.name(), &fur.geometry(), &options, progress)
+    build(entry.kind.name(), entry.kind.clone(), &options, progress)
 }
 
 fn light_of(entry: &LightEntry) -> Light {
@@ -264,7 +289,15 @@ mod tests {
 
     /// Two unit quads side by side, of two materials, in a folder of their own.
     fn loaded(scene: &str) -> Result<Loaded, Error> {
+        loaded_with(&[], scene)
+    }
+
+    /// The same with more files.
+    fn loaded_with(files: &[(&str, &str)], scene: &str) -> Result<Loaded, Error> {
         let folder = tempfile::tempdir().expect("a folder");
+        for (name, content) in files {
+            std::fs::write(folder.path().join(name), content).expect("a file");
+        }
         let obj = "o Sheet\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 0 -1\nv 1 0 -1\nv 0 0 -1\n\
                    usemtl left\nf 1 2 5 6\nusemtl right\nf 2 3 4 5\n";
         std::fs::write(folder.path().join("sheet.obj"), obj).expect("a file");
@@ -304,12 +337,115 @@ mod tests {
     }
 
     #[test]
+    fn unseen_meshes_wear_skins_but_are_not_there() {
+        // A coat of nothing: a spheres texel of no radius.
+        let skin = "[[skin]]\nheight = 0.1\ntexel.spheres = { side = 1, fill = 0, resolution = 2 }\n";
+        let alpha = |visible: bool| {
+            let geometry = format!("geometry = [{{ file = \"sheet.obj\", visible = {visible} }}]\n");
+            let camera =
+                "camera.look_at = { eye = [1, 3, -0.5], target = [1, 0, -0.5], up = [0, 0, -1], fov = 10 }\n";
+            let render = "[render]\nsize = [2, 2]\n";
+            let loaded = loaded(&format!("{geometry}{camera}{skin}{render}")).expect("a scene");
+            let (texels, skins) = (loaded.bake(&|_| {}).expect("texels"), loaded.extrude().expect("skins"));
+            assert_eq!(skins[0].skin.report.boxes, 2);
+            let prepared = loaded.compile(&texels, skins).expect("a scene");
+            let film = prepared.render(&|_| std::ops::ControlFlow::Continue(())).expect("a film");
+            film.pixels.iter().map(|p| p.alpha).sum::<f32>() / 4.0
+        };
+        assert_eq!(alpha(true), 1.0);
+        assert_eq!(alpha(false), 0.0);
+    }
+
+    #[test]
     fn equal_texels_are_built_once() {
         let fur =
             |seed: u32| format!("[[skin]]\ntexel.fur = {{ resolution = 4, count = 50, seed = {seed} }}\n");
         let scene = loaded(&format!("{SHEET}{}{}{}", fur(1), fur(2), fur(1))).expect("a scene");
         let texels = scene.bake(&|_| {}).expect("texels");
         assert!(Arc::ptr_eq(&texels[0], &texels[2]) && !Arc::ptr_eq(&texels[0], &texels[1]));
+    }
+
+    /// The sheet, 0.2 m higher.
+    const TOP: &str =
+        "o Sheet\nv 0 .2 0\nv 1 .2 0\nv 2 .2 0\nv 2 .2 -1\nv 1 .2 -1\nv 0 .2 -1\nf 1 2 5 6\nf 2 3 4 5\n";
+
+    #[test]
+    fn cages_stand_where_their_meshes_do() {
+        let geometry =
+            "geometry = [{ file = \"sheet.obj\", scale = 2, rotate = [0, 0, 90], translate = [0, 0, 7] }]\n";
+        let scene = loaded_with(&[("top.obj", TOP)], &format!("{geometry}[[skin]]\ncage = \"top.obj\"\n"));
+        let skins = scene.and_then(|scene| scene.extrude()).expect("a skin");
+        let skin = &skins[0].skin;
+        assert_eq!((skin.report.boxes, skin.report.torn_vertices), (2, 0));
+        // Twice 0.2 m along +Y, turned about z to −X.
+        for (base, top) in skin.base.iter().zip(&skin.top) {
+            assert!((*top - *base).distance(-0.4 * Vec3::X) < 1e-6, "{base} {top}");
+        }
+        // Copies of 1.5 · 0.4 m on faces of 2 m: 3.3 of them.
+        assert_eq!(skin.report.tiling, 3.0);
+    }
+
+    #[test]
+    fn cages_that_make_no_sense_are_named() {
+        let two = format!(
+            "{TOP}{}",
+            TOP.replace("Sheet", "Other").replace("f 1 2 5 6\nf 2 3 4 5", "f -6 -5 -2 -1")
+        );
+        let one_face = TOP.replace("f 2 3 4 5\n", "");
+        let files = [("top.obj", TOP), ("two.obj", &two), ("one.obj", &one_face)];
+        for (cage, message) in [
+            ("'missing.obj'", "skin[0].cage: refers to `missing.obj`, which cannot be read: "),
+            ("'../top.obj'", "skin[0].cage: refers to `../top.obj`, which is outside of the scene's folder"),
+            (
+                "'one.obj'",
+                "mesh `Sheet` has 2 faces and the top of its cage, `Sheet`, has 1: face 1 is in one",
+            ),
+            (
+                "{ file = 'two.obj', mesh = 'Shet' }",
+                "skin[0].cage: in `two.obj`, there is no mesh `Shet`: did you mean `Sheet`?",
+            ),
+            (
+                "{ file = 'two.obj', mesh = 'Other' }",
+                "mesh `Sheet` has 2 faces and the top of its cage, `Other`",
+            ),
+            ("'top.obj'\nheight = 0.1", "skin[0].height: must be left out beside `cage`"),
+            ("'top.obj'\nlean = [0, 0, 1]", "skin[0].lean: must be left out beside `cage`"),
+            ("{ file = 'top.obj', mesh = '' }", "skin[0].cage.mesh: must not be an empty name"),
+            ("3", "a path, or a table with `file` and `mesh`"),
+        ] {
+            let scene = loaded_with(&files, &format!("{SHEET}[[skin]]\ncage = {cage}\n"));
+            let error = scene.and_then(|scene| scene.extrude()).expect_err(cage).to_string();
+            assert!(error.contains(message), "{cage}: {error}");
+            assert!(error.contains("scene.toml") && !error.contains('\n'), "{error}");
+        }
+        // By the name of the mesh below, where there are several.
+        let scene = loaded_with(&files, &format!("{SHEET}[[skin]]\ncage = \"two.obj\"\n"));
+        assert_eq!(scene.and_then(|scene| scene.extrude()).expect("a skin")[0].skin.len(), 2);
+    }
+
+    #[test]
+    fn a_cage_is_for_one_mesh() {
+        let twice = |translate: &str| {
+            format!(
+                "geometry = [{{ file = \"sheet.obj\" }}, {{ file = \"sheet.obj\", translate = {translate} }}]\n"
+            )
+        };
+        // The same file in two places: each has its own.
+        let scene = loaded_with(
+            &[("top.obj", TOP)],
+            &format!("{}[[skin]]\ncage = \"top.obj\"\n", twice("[0, 5, 0]")),
+        );
+        let skins = scene.and_then(|scene| scene.extrude()).expect("two skins");
+        assert!((skins[1].skin.top[0].y, skins[0].skin.top[0].y) == (5.2, 0.2));
+        let pair =
+            TOP.to_owned() + &TOP.replace("Sheet", "Other").replace("f 1 2 5 6\nf 2 3 4 5", "f -6 -5 -2 -1");
+        let scene = loaded_with(
+            &[("top.obj", TOP), ("pair.obj", &pair)],
+            "geometry = [{ file = \"pair.obj\" }]\n[[skin]]\ncage = \"top.obj\"\n",
+        );
+        let error = scene.expect_err("two meshes").to_string();
+        let expected = "skin[0].cage: is for one mesh, but `Sheet` and `Other` wear it: name one in `on`";
+        assert!(error.ends_with(expected), "{error}");
     }
 
     #[test]

@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use glam::Vec3;
-use pelage_tracer::{Camera, Environment, Film, Progress, Scene, Settings, render};
+use pelage_tracer::reference::{self, ReferenceError, ReferenceSettings};
+use pelage_tracer::{Camera, Environment, Film, Progress, Rect, RenderError, Scene, Settings, render};
 
 use crate::choices::Background;
 use crate::compose::{Backdrop, over};
@@ -20,6 +21,8 @@ pub struct Prepared {
     pub camera: Camera,
     /// How.
     pub settings: Settings,
+    /// How the explicit geometry is rendered in place of voxels, where that was asked for.
+    pub reference: Option<ReferenceSettings>,
     /// How radiance is shown.
     pub display: Display,
     /// The light of the surroundings, which may be the background too.
@@ -29,12 +32,23 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Renders the film; [`render`] with what was described.
+    /// Renders the film; [`render`] or [`reference::render`] with what was described.
     ///
     /// # Errors
-    /// Settings out of their domain; a stop, with the partial film.
+    /// Settings out of their domain; for a reference, texels without source; a stop, with the partial film.
     pub fn render(&self, progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync)) -> Result<Film, Error> {
-        Ok(render(&self.scene, &self.camera, &self.settings, progress)?)
+        let Some(settings) = &self.reference else {
+            return Ok(render(&self.scene, &self.camera, &self.settings, progress)?);
+        };
+        reference::render(&self.scene, &self.camera, settings, progress).map_err(|error| match error {
+            // One kind of partial picture for both.
+            ReferenceError::Cancelled { done, total, films } => {
+                let empty = || Film::new(settings.size, settings.crop.unwrap_or(Rect::whole(settings.size)));
+                let film = Box::new(films.into_iter().next().unwrap_or_else(empty));
+                RenderError::Cancelled { done, total, film }.into()
+            }
+            error => error.into(),
+        })
     }
 
     /// Writes the film, its background behind it: a PNG as a screen shows it, an EXR as linear radiance.

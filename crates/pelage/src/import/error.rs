@@ -35,6 +35,14 @@ pub enum Fault {
     /// The system would not let us read it.
     #[error("cannot be read: {0}")]
     Io(#[from] std::io::Error),
+    /// A file that another refers to cannot be found.
+    #[error("refers to `{reference}`, which cannot be read: {source}")]
+    Reference {
+        /// The reference, as it is written.
+        reference: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
     /// A folder, a device or a pipe.
     #[error("is not a regular file")]
     NotRegular,

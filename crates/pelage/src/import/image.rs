@@ -82,6 +82,6 @@ static SRGB: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear(i as f32 / 255.0)));
 
 /// The sRGB transfer function's inverse, over `[0,1]`. [IEC 61966-2-1]
-pub(crate) fn srgb_to_linear(x: f32) -> f32 {
+pub fn srgb_to_linear(x: f32) -> f32 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }

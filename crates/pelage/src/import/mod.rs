@@ -17,7 +17,7 @@ use pelage_tracer::{Camera, Light};
 
 pub use error::{Fault, ImportError, Place, Warning};
 pub(crate) use files::{Files, extension};
-pub(crate) use image::srgb_to_linear;
+pub use image::srgb_to_linear;
 
 /// Which axis points upwards in a file that does not say (OBJ).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]

@@ -11,7 +11,7 @@ use glam::Vec3;
 use pelage_tracer::Film;
 
 pub use exr::{ExrOptions, write_exr};
-pub use png::write_png;
+pub use png::{encode_png, write_png};
 
 use crate::import::extension;
 
@@ -120,6 +120,11 @@ impl Display {
         (radiance * self.exposure).map(|x| if x > 0.0 { self.tone.apply(x) } else { 0.0 })
     }
 
+    /// The sRGB bytes that a screen gets for `radiance`. [IEC 61966-2-1]
+    pub fn srgb(&self, radiance: Vec3) -> [u8; 3] {
+        self.show(radiance).to_array().map(|x| png::byte(png::linear_to_srgb(x)))
+    }
+
     /// The radiance for which a screen shows the linear value `shown`.
     pub fn radiance_of(&self, shown: Vec3) -> Vec3 {
         shown.map(|y| self.tone.invert(y)) / self.exposure.max(f32::MIN_POSITIVE)
@@ -136,17 +141,29 @@ pub fn check_output(path: &Path) -> Result<Format, OutputError> {
         "exr" => Format::Exr,
         _ => return Err(OutputError::Extension { path: path.to_owned() }),
     };
+    check_place(path)?;
+    Ok(format)
+}
+
+/// Whether a file of this name, of any kind, could be created.
+///
+/// # Errors
+/// A folder of that name, or a folder that cannot be written to.
+pub fn check_place(path: &Path) -> Result<(), OutputError> {
     if path.is_dir() {
         return Err(OutputError::Folder { path: path.to_owned() });
     }
     let temporary = temporary(path);
     let tried = create(&temporary).and_then(|_| fs::remove_file(&temporary));
-    tried.map_err(|source| OutputError::Io { path: path.to_owned(), source })?;
-    Ok(format)
+    tried.map_err(|source| OutputError::Io { path: path.to_owned(), source })
 }
 
-/// Writes a file beside `path`, makes sure that it is on the disk, and gives it the name.
-fn replace(
+/// Writes a file beside `path`, makes sure that it is on the disk, and gives it the name: it appears whole or not
+/// at all.
+///
+/// # Errors
+/// What the system says; a file of that name is then what it was before.
+pub fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), OutputError> {

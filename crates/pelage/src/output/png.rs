@@ -16,28 +16,35 @@ use super::{Display, OutputError, check, replace};
 /// [`OutputError`]; a file of that name is then what it was before.
 pub fn write_png(film: &Film, path: &Path, display: &Display) -> Result<(), OutputError> {
     check(film)?;
+    replace(path, |file| encode_png(film, display, file))
+}
+
+/// Writes what [`write_png`] does to any place.
+///
+/// # Errors
+/// What `to` says; a film that has not as many pixels as its window.
+pub fn encode_png(film: &Film, display: &Display, to: impl io::Write) -> io::Result<()> {
+    check(film).map_err(io::Error::other)?;
     let bytes: Vec<u8> = film.pixels.iter().flat_map(|pixel| rgba(pixel, display)).collect();
-    replace(path, |file| {
-        PngEncoder::new(file)
-            .write_image(&bytes, film.window.width, film.window.height, ExtendedColorType::Rgba8)
-            .map_err(io::Error::other)
-    })
+    PngEncoder::new(to)
+        .write_image(&bytes, film.window.width, film.window.height, ExtendedColorType::Rgba8)
+        .map_err(io::Error::other)
 }
 
 fn rgba(pixel: &Pixel, display: &Display) -> [u8; 4] {
     let alpha = if pixel.alpha > 0.0 { pixel.alpha.min(1.0) } else { 0.0 };
     // The curve bends, so it belongs to the colour itself, not to its product with alpha.
     let straight = if alpha > 0.0 { pixel.color / alpha } else { Vec3::ZERO };
-    let shown = display.show(straight).to_array().map(|x| byte(linear_to_srgb(x)));
-    [shown[0], shown[1], shown[2], byte(alpha)]
+    let [r, g, b] = display.srgb(straight);
+    [r, g, b, byte(alpha)]
 }
 
-fn byte(x: f32) -> u8 {
+pub(super) fn byte(x: f32) -> u8 {
     (x * 255.0 + 0.5) as u8
 }
 
 /// The sRGB transfer function, over `[0,1]`. [IEC 61966-2-1]
-fn linear_to_srgb(x: f32) -> f32 {
+pub(super) fn linear_to_srgb(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 

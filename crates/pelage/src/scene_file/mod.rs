@@ -2,6 +2,8 @@
 //!
 //! Longer than most files here: it is the one list of all fields that a scene file may have.
 
+mod cage;
+mod texel;
 mod validate;
 
 use std::path::{Path, PathBuf};
@@ -10,7 +12,10 @@ use pelage_skin::Folds;
 use pelage_tracer::{Lod, Opacity, Rays};
 use serde::{Deserialize, Deserializer, de};
 
-use crate::choices::{self, Background, FurPreset};
+pub use cage::CageEntry;
+pub use texel::TexelEntry;
+
+use crate::choices::{self, Background, Method};
 use crate::error::Error;
 use crate::import::{Fault, Files, ImportOptions, Place, Up};
 use crate::output::Tone;
@@ -61,12 +66,23 @@ pub struct GeometryEntry {
     /// Metres.
     #[serde(default)]
     pub translate: [f32; 3],
+    /// Whether its own faces are seen, or only what grows on them.
+    #[serde(default = "yes")]
+    pub visible: bool,
 }
 
 impl GeometryEntry {
     /// A file as it stands.
     pub fn new(file: impl Into<String>) -> Self {
-        Self { file: file.into(), up: Up::Y, unit: 1.0, scale: 1.0, rotate: [0.0; 3], translate: [0.0; 3] }
+        Self {
+            file: file.into(),
+            up: Up::Y,
+            unit: 1.0,
+            scale: 1.0,
+            rotate: [0.0; 3],
+            translate: [0.0; 3],
+            visible: true,
+        }
     }
 }
 
@@ -86,12 +102,15 @@ pub struct SkinEntry {
     /// Tilts all of it the same way, as wind or weight would; a length of 1 tilts by 45°.
     #[serde(default)]
     pub lean: [f32; 3],
+    /// A mesh of the same faces where the boxes end, instead of a height along the normals. A path, or a table.
+    #[serde(default, deserialize_with = "cage::deserialize")]
+    pub cage: Option<CageEntry>,
     /// Copies of the texel per unit of texture coordinates (per face side where there are none).
     #[serde(default)]
     pub tiling: Option<f32>,
-    /// Width of a copy over its height, where there is no `tiling`.
-    #[serde(default = "wide")]
-    pub aspect: f32,
+    /// Width of a copy over its height, where there is no `tiling`; by default [`SkinEntry::ASPECT`].
+    #[serde(default)]
+    pub aspect: Option<f32>,
     /// Multiplies the texel's colours; linear.
     #[serde(default = "white")]
     pub tint: [f32; 3],
@@ -103,6 +122,11 @@ pub struct SkinEntry {
     pub folds: Folds,
 }
 
+impl SkinEntry {
+    /// The default aspect: the presets were made on a cube, and look fluffier when it is wider than high.
+    pub const ASPECT: f32 = 1.5;
+}
+
 impl Default for SkinEntry {
     /// Long fur on everything.
     fn default() -> Self {
@@ -111,77 +135,12 @@ impl Default for SkinEntry {
             texel: TexelEntry::default(),
             height: None,
             lean: [0.0; 3],
+            cage: None,
             tiling: None,
-            aspect: wide(),
+            aspect: None,
             tint: white(),
             wears_material: true,
             folds: Folds::default(),
-        }
-    }
-}
-
-/// What grows on a skin.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum TexelEntry {
-    /// Fur.
-    Fur(FurEntry),
-}
-
-impl Default for TexelEntry {
-    fn default() -> Self {
-        Self::Fur(FurEntry::default())
-    }
-}
-
-/// A preset of [`Fur`](pelage_texel::Fur), and what is different from it. Lengths are in texel units.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct FurEntry {
-    /// What it starts from.
-    pub preset: FurPreset,
-    /// Voxels a side: a power of two from 2 to 512.
-    pub resolution: u32,
-    /// Which of the many furs with these settings.
-    pub seed: Option<u64>,
-    /// Strands in a copy.
-    pub count: Option<u32>,
-    /// Length of a strand.
-    pub length: Option<f32>,
-    /// Relative variation of the length.
-    pub length_variation: Option<f32>,
-    /// Radius at the root.
-    pub root_radius: Option<f32>,
-    /// Radius at the tip.
-    pub tip_radius: Option<f32>,
-    /// Mean slope along u and v.
-    pub lean: Option<[f32; 2]>,
-    /// Slope of random bends.
-    pub curl: Option<f32>,
-    /// How far tips gather in locks.
-    pub clump: Option<f32>,
-    /// Linear albedo at the root.
-    pub root_color: Option<[f32; 3]>,
-    /// Linear albedo at the tip.
-    pub tip_color: Option<[f32; 3]>,
-}
-
-impl Default for FurEntry {
-    fn default() -> Self {
-        Self {
-            preset: FurPreset::Long,
-            resolution: 128,
-            seed: None,
-            count: None,
-            length: None,
-            length_variation: None,
-            root_radius: None,
-            tip_radius: None,
-            lean: None,
-            curl: None,
-            clump: None,
-            root_color: None,
-            tip_color: None,
         }
     }
 }
@@ -276,6 +235,11 @@ pub struct RenderEntry {
     pub size: [u32; 2],
     /// The part to render: x0, x1, y0, y1 in pixels, the ends not included.
     pub crop: Option<[u32; 4]>,
+    /// How the picture is made.
+    #[serde(deserialize_with = "choices::deserialize")]
+    pub method: Method,
+    /// Samples a pixel of the reference method; by default as many as [`ReferenceSettings`](pelage_tracer::reference::ReferenceSettings) has.
+    pub spp: Option<u32>,
     /// Rays a pixel.
     #[serde(deserialize_with = "choices::deserialize")]
     pub rays: Rays,
@@ -305,6 +269,8 @@ impl Default for RenderEntry {
         Self {
             size: settings.size,
             crop: None,
+            method: Method::default(),
+            spp: None,
             rays: settings.rays,
             path: settings.path,
             lod: settings.lod,
@@ -319,10 +285,6 @@ impl Default for RenderEntry {
 
 fn one() -> f32 {
     1.0
-}
-/// The presets were made on a cube, and look fluffier when it is wider than high.
-fn wide() -> f32 {
-    1.5
 }
 fn white() -> [f32; 3] {
     [1.0; 3]
@@ -341,6 +303,20 @@ fn forty_five() -> f32 {
 }
 fn sun_angle() -> f32 {
     0.53
+}
+
+/// A message of serde's, with the types of the file instead of those of this program.
+fn plain(message: &str) -> String {
+    let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
+    let plain = match expected {
+        "f32" => "a number".to_owned(),
+        "u32" | "u64" => "a whole number".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        _ if expected.starts_with("struct ") || expected.starts_with("enum ") => "a table".to_owned(),
+        _ => expected.replace("an array of length ", "a list of "),
+    };
+    format!("{found}, expected {plain}")
 }
 
 /// One name or a list of names.
@@ -397,8 +373,8 @@ impl SceneFile {
         let mut scene: Self = toml::from_str(text).map_err(|e| {
             let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
             let line = before.matches('\n').count() + 1;
-            let message = e.message().split('\n').next().unwrap_or_default().to_owned();
-            Fault::Syntax(message).at(path, Place::Line(line))
+            let message = e.message().split('\n').next().unwrap_or_default();
+            Fault::Syntax(plain(message)).at(path, Place::Line(line))
         })?;
         scene.path = path.to_owned();
         scene.validate()?;

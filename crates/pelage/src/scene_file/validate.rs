@@ -3,9 +3,11 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
+use pelage_texel::Procedure;
 use pelage_tracer::MAX_PIXELS;
 
-use super::{CameraEntry, FurEntry, GeometryEntry, LightEntry, SceneFile, SkinEntry, TexelEntry};
+use super::{CameraEntry, GeometryEntry, LightEntry, SceneFile, SkinEntry};
+use crate::choices::Method;
 use crate::error::FieldError;
 
 /// Magnitudes stay below this: far beyond any scene, and products of three still fit in an `f32`.
@@ -24,8 +26,9 @@ impl SceneFile {
         }
         for (i, entry) in self.skin.iter().enumerate() {
             skin(&table(format!("skin[{i}]")), entry)?;
-            let TexelEntry::Fur(entry) = &entry.texel;
-            fur(&table(format!("skin[{i}].texel.fur")), entry)?;
+            if let Some((field, reason)) = entry.texel.fault() {
+                table(format!("skin[{i}].texel.{}", entry.texel.kind.name())).check(field, false, &reason)?;
+            }
         }
         camera(&table("camera".into()), self.camera.as_ref())?;
         for (i, entry) in self.light.iter().enumerate() {
@@ -41,6 +44,10 @@ impl SceneFile {
         let pixels = u64::from(width) * u64::from(height);
         let reason = format!("{width} x {height} pixels; from 1 to {MAX_PIXELS} in all are possible");
         table.check("size", (1..=MAX_PIXELS).contains(&pixels), &reason)?;
+        let reason = "is of the reference method only, and the method is cone";
+        table.check("spp", self.render.spp.is_none() || self.render.method == Method::Reference, reason)?;
+        let reason = "from 1 to 65536 samples a pixel are possible";
+        table.check("spp", self.render.spp.is_none_or(|n| (1..=1 << 16).contains(&n)), reason)?;
         let [x0, x1, y0, y1] = self.render.crop.unwrap_or([0, width, 0, height]);
         let reason = format!(
             "must be x0, x1, y0, y1 with x0 < x1 ≤ {width} and y0 < y1 ≤ {height}, the picture's size; \
@@ -59,40 +66,22 @@ fn geometry(table: &Table, entry: &GeometryEntry) -> Result<(), FieldError> {
 }
 
 fn skin(table: &Table, entry: &SkinEntry) -> Result<(), FieldError> {
+    if let Some(cage) = &entry.cage {
+        const OWN: &str = "must be left out beside `cage`, which says where the boxes end";
+        table.check("height", entry.height.is_none(), OWN)?;
+        table.check("lean", entry.lean == [0.0; 3], OWN)?;
+        table.check("cage.mesh", cage.mesh.as_deref() != Some(""), "must not be an empty name")?;
+    }
     table.positive("height", entry.height.unwrap_or(1.0))?;
     for part in entry.lean {
         table.within("lean", part, -50.0..=50.0)?;
     }
     table.positive("tiling", entry.tiling.unwrap_or(1.0))?;
-    table.positive("aspect", entry.aspect)?;
+    table.positive("aspect", entry.aspect.unwrap_or(1.0))?;
+    let one_width = entry.tiling.is_none() || entry.aspect.is_none();
+    table.check("aspect", one_width, "must be left out beside `tiling`, which says how wide a copy is")?;
     table.check("on", entry.on.iter().all(|name| !name.is_empty()), "must not hold an empty name")?;
     table.color("tint", &entry.tint)
-}
-
-fn fur(table: &Table, entry: &FurEntry) -> Result<(), FieldError> {
-    let resolution = entry.resolution.is_power_of_two() && (2..=512).contains(&entry.resolution);
-    table.check("resolution", resolution, "must be a power of two from 2 to 512")?;
-    let count = entry.count.is_none_or(|n| (1..=1_000_000).contains(&n));
-    table.check("count", count, "must be from 1 to 1000000")?;
-    for (name, value, most) in [
-        ("length", entry.length, 1.0),
-        ("length_variation", entry.length_variation, 1.0),
-        ("root_radius", entry.root_radius, 0.5),
-        ("tip_radius", entry.tip_radius, 0.5),
-        ("curl", entry.curl, 10.0),
-        ("clump", entry.clump, 1.0),
-    ] {
-        table.within(name, value.unwrap_or(0.0), 0.0..=most)?;
-    }
-    for slope in entry.lean.unwrap_or_default() {
-        table.within("lean", slope, -10.0..=10.0)?;
-    }
-    for (name, color) in [("root_color", entry.root_color), ("tip_color", entry.tip_color)] {
-        for albedo in color.unwrap_or_default() {
-            table.within(name, albedo, 0.0..=1.0)?;
-        }
-    }
-    Ok(())
 }
 
 fn camera(table: &Table, entry: Option<&CameraEntry>) -> Result<(), FieldError> {

@@ -100,7 +100,7 @@ impl View {
         0.0
     }
 
-    /// Makes one of the pieces of each voxel, whichever rays they came from; heaviest first.
+    /// Makes one of the pieces of each voxel, whichever rays they came from.
     pub fn merge(&mut self) {
         self.voxels.sort_by_key(|v| v.key);
         let mut kept = 0;
@@ -121,7 +121,39 @@ impl View {
             }
         }
         self.voxels.truncate(kept);
+    }
+
+    /// Leaves at most `most` voxels (at least one), and gives them the weight of all: those that are heavier than
+    /// their share stay as they are; of the others, in order of distance, every so much weight stands for its stretch.
+    /// The heaviest alone would be the nearest, which more light reaches.
+    pub fn choose(&mut self, most: usize) {
+        let most = most.max(1);
+        if self.voxels.len() <= most {
+            return;
+        }
         self.voxels.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.key.cmp(&b.key)));
+        let mut rest: f32 = self.voxels.iter().map(|v| v.weight).sum();
+        let mut heavy = 0;
+        // One place at least is kept for the rest.
+        while heavy + 1 < most && self.voxels[heavy].weight * (most - heavy) as f32 >= rest {
+            rest -= self.voxels[heavy].weight;
+            heavy += 1;
+        }
+        let step = rest / (most - heavy) as f32;
+        let light = &mut self.voxels[heavy..];
+        light.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.key.cmp(&b.key)));
+        let (mut next, mut before, mut kept) = (0.5 * step, 0.0, heavy);
+        for i in heavy..self.voxels.len() {
+            let one = self.voxels[i];
+            before += one.weight;
+            // No lighter one is heavier than a step, so each stands for one at most.
+            if next < before && kept < most {
+                self.voxels[kept] = SeenVoxel { weight: step, ..one };
+                next += step;
+                kept += 1;
+            }
+        }
+        self.voxels.truncate(kept);
     }
 }
 

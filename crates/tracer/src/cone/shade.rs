@@ -1,8 +1,10 @@
 //! The light that a seen voxel or surface sends to the eye. [seed §5.2, §6.1c, method §7]
 
 use glam::{Mat3, Vec2, Vec3};
-use pelage_geom::{Cone, Ellipsoid, Material, material::exponent_of_roughness};
+use pelage_geom::{Cone, Material, material::exponent_of_roughness};
 use std::f32::consts::{FRAC_1_PI, PI};
+
+use pelage_texel::{Surfel, Voxel};
 
 use super::composite::{SeenSurface, SeenVoxel, mean_visible};
 use super::path::to_box;
@@ -15,6 +17,7 @@ use crate::{Scene, Settings};
 #[derive(Default)]
 pub(crate) struct Shader {
     shadows: ShadowBuffers,
+    visible: Vec<Visible>,
 }
 
 impl Shader {
@@ -38,48 +41,51 @@ impl Shader {
         }
         let view = -seen.direction.normalize_or(Vec3::NEG_Y);
 
-        let albedo = voxel.albedo * coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
-        let normals = Normals::of(&voxel.normals(), inverse * view, &inverse.transpose(), settings.normals);
+        let tint = coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
+        let [specular, exponent] = [coat.texel.specular, exponent_of_roughness(coat.texel.roughness)];
+        let surfels = level.surfels(seen.voxel);
+        let facing =
+            Facing { view: (inverse * view).normalize_or_zero(), cofactor: inverse.transpose(), tint };
+        facing.collect(surfels, &mut self.visible);
+        if self.visible.is_empty() {
+            facing.collect_ellipsoid(&voxel, settings.normals, &mut self.visible);
+        }
         let open = if settings.shadows { voxel.openness } else { 1.0 };
-        let ambient = open * albedo * normals.mean(|n| scene.environment.mean_radiance(n));
-
-        let exponent = exponent_of_roughness(coat.texel.roughness);
-        let mut radiance = ambient;
+        let whole: f32 = self.visible.iter().map(|v| v.weight).sum();
+        let mut radiance: Vec3 =
+            self.visible.iter().map(|v| v.weight * v.color * scene.environment.mean_radiance(v.normal)).sum();
+        radiance *= open / whole;
         for light in &scene.lights {
             let Some(incoming) = light.incoming(point.as_vec3()) else { continue };
             let to_light = incoming.direction;
             let half = (view + to_light).normalize_or_zero();
-            let reflected =
-                normals.mean(|n| reflection(albedo, coat.texel.specular, exponent, n, to_light, half));
+            let towards = (inverse * to_light).normalize_or_zero();
+            let lit =
+                |v: &Visible| !settings.shadows || v.surfel.is_none_or(|s| surfels[s as usize].sees(towards));
+            let reflected: Vec3 = (self.visible.iter().filter(|v| lit(v)))
+                .map(|v| v.weight * reflection(v.color, specular, exponent, v.normal, to_light, half))
+                .sum();
+            let reflected = reflected / whole;
             if reflected == Vec3::ZERO {
                 continue;
             }
             let mut arriving = 1.0;
             if settings.shadows {
-                // Light's way through the voxel, in its own units of length per scene unit.
-                let step = inverse * to_light * scale;
-                let cell = glam::IVec3::from_array(seen.key.cell).as_vec3();
-                let correlation = correlation(&inverse, view, to_light, 1.0 / scale);
-                let ends = seen.at.map(|at| at * scale - cell);
-                let per_unit = voxel.kappa * voxel.depth_per_step(step);
-                let own = ends.map(|end| {
-                    let inside = voxel.clip(end, step, [0.0, f32::MAX]).map_or(0.0, |[_, leave]| leave);
-                    per_unit * inside * correlation.factor(0.0, inside)
-                });
-                arriving = own_shadow(own, seen.depth);
-                arriving *= self.shadows.transmittance(
+                // What is near is in the masks.
+                let start = Surfel::reach(1.0 / scale) / (inverse * to_light).length();
+                arriving = self.shadows.transmittance(
                     scene,
                     settings,
                     &ShadowCone {
                         origin: point,
                         direction: to_light.as_dvec3().normalize(),
-                        start: f64::from(way_out(at * scale - cell, step)),
+                        start: f64::from(start),
                         end: f64::from(incoming.distance),
                         cone: Cone {
                             width: f64::from(jacobian.determinant().abs().cbrt() / scale),
                             spread: f64::from(incoming.spread),
                         },
-                        correlation,
+                        correlation: Correlation::NONE,
                     },
                 );
             }
@@ -155,7 +161,14 @@ const SKY_SPREAD: f32 = 0.8;
 
 /// Diffuse + specular of one normal, times the cosine to the light. The factor keeps the specular albedo at or
 /// under k_s. [method §7]
-fn reflection(albedo: Vec3, specular: f32, exponent: f32, normal: Vec3, to_light: Vec3, half: Vec3) -> Vec3 {
+pub(crate) fn reflection(
+    albedo: Vec3,
+    specular: f32,
+    exponent: f32,
+    normal: Vec3,
+    to_light: Vec3,
+    half: Vec3,
+) -> Vec3 {
     let cosine = normal.dot(to_light);
     if cosine <= 0.0 {
         return Vec3::ZERO;
@@ -169,32 +182,64 @@ fn reflection(albedo: Vec3, specular: f32, exponent: f32, normal: Vec3, to_light
     cosine * reflected
 }
 
-/// The visible normals of a voxel, carried into the scene.
-struct Normals {
-    normals: [Vec3; Normals::MOST],
-    count: usize,
+/// A part of what the eye sees of a voxel.
+struct Visible {
+    /// Unit normal on the seen side, scene space.
+    normal: Vec3,
+    color: Vec3,
+    /// How much of what is seen, up to a factor common to all.
+    weight: f32,
+    /// Which surfel of the voxel it is, if one.
+    surfel: Option<u32>,
 }
 
-impl Normals {
-    const MOST: usize = 16;
+/// How a voxel is looked at.
+struct Facing {
+    /// Unit vector to the eye, texel space.
+    view: Vec3,
+    /// J⁻ᵀ: carries normals into the scene.
+    cofactor: Mat3,
+    /// Multiplies its colours.
+    tint: Vec3,
+}
 
-    /// Takes `count` normals (1 to 16) of the visible half of the ellipsoid, equal parts of what is seen along
-    /// `view` (texel space, towards the eye), and turns each by `cofactor` = J⁻ᵀ.
-    fn of(ellipsoid: &Ellipsoid, view: Vec3, cofactor: &Mat3, count: u32) -> Self {
-        let count = (count as usize).clamp(1, Self::MOST);
-        let mut normals = [Vec3::ZERO; Self::MOST];
-        let visible = ellipsoid.visible(view.normalize_or(Vec3::Z));
-        for (i, normal) in normals[..count].iter_mut().enumerate() {
-            // The first `count` points of Hammersley's set, centred in their strata.
-            let x = (i as f32 + 0.5) / count as f32;
-            let y = ((i as u32).reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
-            *normal = (*cofactor * visible.sample([x, y.fract()])).normalize_or_zero();
+impl Facing {
+    /// The surfels that the eye sees.
+    fn collect(&self, surfels: &[Surfel], visible: &mut Vec<Visible>) {
+        visible.clear();
+        let one = |(i, surfel): (usize, &Surfel)| {
+            let normal = surfel.normal();
+            Visible {
+                normal: (self.cofactor * normal).normalize_or_zero(),
+                color: surfel.color() * self.tint,
+                weight: surfel.weight() * normal.dot(self.view),
+                surfel: Some(i as u32),
+            }
+        };
+        visible.extend(surfels.iter().enumerate().filter(|(_, s)| s.sees(self.view)).map(one));
+        // Seen through a gap that the masks are too coarse for.
+        if visible.is_empty() {
+            let faces = |(_, s): &(usize, &Surfel)| s.normal().dot(self.view) > 0.0;
+            visible.extend(surfels.iter().enumerate().filter(faces).map(one));
         }
-        Self { normals, count }
     }
 
-    fn mean(&self, f: impl Fn(Vec3) -> Vec3) -> Vec3 {
-        self.normals[..self.count].iter().map(|&n| f(n)).sum::<Vec3>() / self.count as f32
+    /// `count` normals (1 to 16) of the visible half of the voxel's ellipsoid, equal parts of what is seen.
+    fn collect_ellipsoid(&self, voxel: &Voxel, count: u32, visible: &mut Vec<Visible>) {
+        visible.clear();
+        let seen = voxel.normals().visible(if self.view == Vec3::ZERO { Vec3::Z } else { self.view });
+        let count = count.clamp(1, 16);
+        for i in 0..count {
+            // The first `count` points of Hammersley's set, centred in their strata.
+            let x = (i as f32 + 0.5) / count as f32;
+            let y = (i.reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
+            visible.push(Visible {
+                normal: (self.cofactor * seen.sample([x, y.fract()])).normalize_or_zero(),
+                color: voxel.albedo * self.tint,
+                weight: 1.0,
+                surfel: None,
+            });
+        }
     }
 }
 

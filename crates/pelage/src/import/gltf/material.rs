@@ -106,7 +106,6 @@ impl Materials {
             specular: if unlit { 0.0 } else { specular },
             roughness,
             emissive: emissive.max(Vec3::ZERO),
-            two_sided: material.double_sided,
         });
         self.uv_maps.push(uv_map);
         Ok(())

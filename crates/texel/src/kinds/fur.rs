@@ -4,17 +4,20 @@ use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
+use super::domain::{COUNT, Domain, RADIUS, SEGMENTS, SLOPE, UNIT, at_most_triangles};
+use super::scatter::scattered;
 use crate::random::Random;
-use crate::{Geometry, Procedure};
+use crate::{BuildError, Geometry, Procedure};
 
-/// Fur over one tile. Lengths are in texel units: the tile is 1 wide, the texel 1 high.
+/// Fur over one tile. Lengths are in texel edges: the tile is 1 wide, the texel 1 high.
 ///
 /// Colours are near-neutral in the presets: the tint of a coat multiplies them.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Fur {
     /// Which of the many furs with these settings.
     pub seed: u64,
-    /// Strands in the tile, undercoat included.
+    /// Strands in the tile, undercoat included: 1 to 10⁶.
     pub count: u32,
     /// Length of a strand, along it; tips stay below the texel's top.
     pub length: f32,
@@ -42,7 +45,7 @@ pub struct Fur {
     pub specular: f32,
     /// Roughness of the highlight, 0 to 1.
     pub roughness: f32,
-    /// Straight pieces a strand, at least 1.
+    /// Straight pieces a strand, 1 to 32.
     pub segments: u32,
     /// Sides of a strand's cross-section, 3 to 16.
     pub sides: u32,
@@ -106,6 +109,22 @@ impl Fur {
         }
     }
 
+    /// Thin separate hairs, as sparse as those that a test can count: 400 of 24 triangles each.
+    pub fn hair() -> Self {
+        Self {
+            count: 400,
+            length: 0.9,
+            length_variation: 0.15,
+            root_radius: 0.006,
+            tip_radius: 0.003,
+            curl: 0.2,
+            clump: 0.3,
+            undercoat: 0.0,
+            segments: 4,
+            ..Self::long()
+        }
+    }
+
     /// The middles of the locks, with about twelve strands each.
     fn locks(&self) -> Vec<Vec2> {
         let count = (self.count / 12).max(1);
@@ -125,7 +144,7 @@ impl Fur {
         let [phase, turns] = [TAU * random.unit(), 0.6 + 0.8 * random.unit()];
         let wave = 0.7 * self.curl * bend;
         let shade = 1.0 + self.color_variation * random.signed();
-        let segments = self.segments.max(1);
+        let segments = self.segments;
         let mut point = root.extend(0.0);
         let mut points = vec![point];
         for k in 0..segments {
@@ -147,8 +166,28 @@ impl Default for Fur {
 }
 
 impl Procedure for Fur {
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "fur"
+    }
+
+    fn validate(&self) -> Result<(), BuildError> {
+        COUNT.check("count", self.count)?;
+        UNIT.check("length", self.length)?;
+        UNIT.check("length_variation", self.length_variation)?;
+        RADIUS.check("root_radius", self.root_radius)?;
+        RADIUS.check("tip_radius", self.tip_radius)?;
+        SLOPE.check_each("lean", self.lean.as_ref())?;
+        Domain::new(0.0, 10.0, "0 to 10").check("curl", self.curl)?;
+        UNIT.check("clump", self.clump)?;
+        UNIT.check("undercoat", self.undercoat)?;
+        UNIT.check_each("root_color", self.root_color.as_ref())?;
+        UNIT.check_each("tip_color", self.tip_color.as_ref())?;
+        UNIT.check("color_variation", self.color_variation)?;
+        UNIT.check("specular", self.specular)?;
+        UNIT.check("roughness", self.roughness)?;
+        SEGMENTS.check("segments", self.segments)?;
+        Domain::new(3.0, 16.0, "3 to 16").check("sides", self.sides)?;
+        at_most_triangles(self.count, 2 * self.segments * self.sides)
     }
 
     fn geometry(&self) -> Geometry {
@@ -164,7 +203,7 @@ impl Procedure for Fur {
             };
             // Each strand turned its own way: together, few-sided tubes are as round as fur.
             let turn = TAU * Random::new(self.seed ^ 0x7ab5, i.into()).unit();
-            tube(&mut geometry, &points, self.sides.clamp(3, 16), turn, radius, color);
+            tube(&mut geometry, &points, self.sides, turn, radius, color);
         }
         geometry
     }
@@ -207,16 +246,6 @@ fn tube(
         }
         ring = next;
     }
-}
-
-/// The `i`-th of `count` points scattered evenly over the periodic tile: the R₂ sequence [Roberts18], jittered
-/// within the distance between neighbours.
-fn scattered(i: u32, count: u32, random: &mut Random) -> Vec2 {
-    // 1/ρ and 1/ρ² with ρ³ = ρ + 1.
-    let [x, y] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3].map(|a| (0.5 + f64::from(i) * a).fract());
-    let jitter = Vec2::new(random.signed(), random.signed()) * 0.4 / (count.max(1) as f32).sqrt();
-    let p = Vec2::new(x as f32, y as f32) + jitter;
-    (p - p.floor()).min(Vec2::splat(1.0 - f32::EPSILON))
 }
 
 /// The middles of the locks, sorted into a grid over the periodic tile to find the nearest.

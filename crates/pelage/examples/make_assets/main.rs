@@ -4,6 +4,8 @@
 //!
 //! Longer than most files here: each creature is described once, in plain numbers.
 
+mod standard;
+
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write;
 use std::io::Cursor;
@@ -19,7 +21,8 @@ fn main() -> io::Result<()> {
     fs::write(folder.join("fluff.obj"), obj)?;
     fs::write(folder.join("fluff.mtl"), mtl)?;
     fs::write(folder.join("fluff.toml"), SCENE)?;
-    fs::write(folder.join("stage.glb"), stage()?)
+    fs::write(folder.join("stage.glb"), stage()?)?;
+    standard::write(&folder.join("validate"))
 }
 
 /// Three creatures on a rug.
@@ -237,7 +240,7 @@ struct Creature {
 
 fn creatures() -> (String, &'static str) {
     let mut obj = Obj {
-        text: "# Made by crates/pelage/examples/make_assets.rs\nmtllib fluff.mtl\n".into(),
+        text: "# Made by crates/pelage/examples/make_assets\nmtllib fluff.mtl\n".into(),
         ..Obj::default()
     };
     obj.begin("Rug", "Rug");
@@ -342,7 +345,7 @@ impl Creature {
 }
 
 const MATERIALS: &str = "\
-# Made by crates/pelage/examples/make_assets.rs
+# Made by crates/pelage/examples/make_assets
 newmtl Cream
 Kd 1.0 0.66 0.28
 newmtl Teal

@@ -1,0 +1,183 @@
+//! Opacity in context: what a level hides, and how deep it is seen into.
+//!
+//! Coverage measured voxel by voxel multiplies up to the coverage of the whole only where voxels have nothing to do
+//! with each other. They have: a strand goes from voxel to voxel, and a ray that got past it in one gets past it in the
+//! next. So each level is held against the geometry once more, along sightlines from above through the whole texel: at
+//! each height, the level must stop as many of them as the geometry does. Of sightlines that reach a height with
+//! transmittance T, and meet the depth τ in it, it stops
+//!
+//! ```text
+//! Σ T (1 − e^−sτ)
+//! ```
+//!
+//! which gives the factor s for the depths there, height after height, for each class of slopes. Then the whole hides
+//! what the geometry hides, and what is seen of it lies as deep.
+
+use core::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+use pelage_geom::Symmetric3;
+use rayon::prelude::*;
+
+use crate::Level;
+use crate::coverage::{SIXTEEN, Sight, fit};
+use crate::exposure::Surroundings;
+use crate::packed::Packed;
+use crate::random::Random;
+
+/// A segment through the texel, and where the geometry first stops it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sightline {
+    from: Vec3,
+    to: Vec3,
+    /// As a parameter from 0 to 1; infinite where it passes.
+    hit: f32,
+}
+
+impl Sightline {
+    /// `count` sightlines from above, all slopes alike, and where they end.
+    pub(crate) fn cast(scene: &Surroundings, count: usize, periodic: bool) -> Vec<Self> {
+        (0..count)
+            .into_par_iter()
+            .map(|i| {
+                let random = &mut Random::new(i as u64, 0x51a7);
+                // Flatter than this a sightline would cross dozens of tiles.
+                const FLATTEST: f32 = 0.06;
+                let z = FLATTEST + (1.0 - FLATTEST) * (i as f32 + random.unit()) / count as f32;
+                let around = Vec2::from_angle(2.0 * PI * random.unit());
+                let down = (around * (1.0 - z * z).sqrt()).extend(-z);
+                let start = Vec2::new(random.unit(), random.unit());
+                let (from, to) = if periodic {
+                    let from = start.extend(1.0);
+                    (from, from + down / z)
+                } else {
+                    // Through any point of the cube, from outside it to outside it.
+                    let middle = start.extend(random.unit());
+                    (middle - 2.0 * down, middle + 2.0 * down)
+                };
+                Self { from, to, hit: scene.first_hit(from, to) }
+            })
+            .collect()
+    }
+}
+
+/// Classes of heights at most.
+const HEIGHTS: usize = 8;
+
+/// Slopes (|z| of the direction) and heights are sorted into classes.
+#[derive(Clone, Copy)]
+struct Classes {
+    slopes: usize,
+    heights: usize,
+    resolution: u32,
+}
+
+impl Classes {
+    fn of(level: &Level) -> Self {
+        Self {
+            slopes: 6,
+            heights: level.resolution().min(HEIGHTS as u32) as usize,
+            resolution: level.resolution(),
+        }
+    }
+
+    fn height(self, z: i32) -> usize {
+        (z.max(0) as usize * self.heights / self.resolution as usize).min(self.heights - 1)
+    }
+
+    fn slope(self, z: f32) -> usize {
+        ((z.abs() * self.slopes as f32) as usize).min(self.slopes - 1)
+    }
+
+    /// The factor for a slope, between those of the two nearest classes.
+    fn factor(self, factors: &[f32], height: usize, z: f32) -> f32 {
+        let at = (z.abs() * self.slopes as f32 - 0.5).clamp(0.0, (self.slopes - 1) as f32);
+        let low = (at as usize).min(self.slopes - 2);
+        let row = &factors[height * self.slopes..];
+        row[low] + (at - low as f32) * (row[low + 1] - row[low])
+    }
+}
+
+/// Multiplies the depths of a level's voxels so that sightlines end where they do in the geometry.
+pub(crate) fn calibrate(level: &mut Level, sightlines: &[Sightline]) {
+    // Each refits Σ, which then says not quite what it was asked to: again, for what is left.
+    const ROUNDS: usize = 3;
+    let classes = Classes::of(level);
+    let cells: Vec<[u32; 3]> = level.cells().collect();
+    for _ in 0..ROUNDS {
+        let paths = paths(level, sightlines, classes);
+        let by_slope = |slope| factors(paths.iter().filter(|path| path.slope == slope), classes.heights);
+        let by_slope: Vec<Vec<f32>> = (0..classes.slopes).into_par_iter().map(by_slope).collect();
+        let factors: Vec<f32> =
+            (0..classes.heights).flat_map(|height| by_slope.iter().map(move |s| s[height])).collect();
+        level.voxels_mut().par_iter_mut().zip(&cells).for_each(|(packed, cell)| {
+            let mut voxel = packed.unpack();
+            let height = classes.height(cell[2] as i32);
+            voxel.sigma = scaled(voxel.sigma, |d| classes.factor(&factors, height, d.z));
+            *packed = Packed::new(&voxel);
+        });
+    }
+}
+
+/// What a sightline meets in a level.
+struct Path {
+    slope: usize,
+    /// Depth in each class of heights.
+    depths: [f32; HEIGHTS],
+    /// The class of heights in which the geometry stops it.
+    stopped: Option<usize>,
+}
+
+fn paths(level: &Level, sightlines: &[Sightline], classes: Classes) -> Vec<Path> {
+    let scale = level.resolution() as f32;
+    let path = |line: &Sightline| {
+        let (from, to) = (line.from * scale, line.to * scale);
+        let d = to - from;
+        let mut depths = [0.0; HEIGHTS];
+        for step in level.walk(from, to) {
+            let voxel = level.voxel(step.voxel);
+            if let Some([enter, leave]) = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave])
+            {
+                depths[classes.height(step.cell.z)] += voxel.depth_per_step(d) * (leave - enter);
+            }
+        }
+        let end = from + line.hit * d;
+        let stopped = line.hit.is_finite().then(|| classes.height(end.z.floor() as i32));
+        Path { slope: classes.slope(d.z / d.length()), depths, stopped }
+    };
+    sightlines.par_iter().map(path).collect()
+}
+
+/// The factor of each height, from the top down, with the weight of a few sightlines for a factor of 1.
+fn factors<'a>(paths: impl Iterator<Item = &'a Path>, heights: usize) -> Vec<f32> {
+    const PRIOR: f32 = 4.0;
+    const RANGE: [f32; 2] = [0.1, 10.0];
+    let mut reached: Vec<(f32, &Path)> = paths.map(|path| (1.0, path)).collect();
+    let mut factors = vec![1.0; heights];
+    for height in (0..heights).rev() {
+        let stopped = reached.iter().filter(|(_, path)| path.stopped == Some(height)).count() as f32;
+        let excess = |s: f32| {
+            let hidden = |(t, path): &(f32, &Path)| t * -(-s * path.depths[height]).exp_m1();
+            reached.iter().map(hidden).sum::<f32>() - stopped + PRIOR * (s - 1.0) / (s + 1.0)
+        };
+        let [mut low, mut high] = RANGE.map(f32::ln);
+        for _ in 0..20 {
+            let middle = 0.5 * (low + high);
+            if excess(middle.exp()) < 0.0 { low = middle } else { high = middle }
+        }
+        factors[height] = (0.5 * (low + high)).exp();
+        for (t, path) in &mut reached {
+            *t *= (-factors[height] * path.depths[height]).exp();
+        }
+    }
+    factors
+}
+
+/// Σ with the depth along each direction multiplied.
+fn scaled(sigma: Symmetric3, factor: impl Fn(Vec3) -> f32) -> Symmetric3 {
+    let sights = SIXTEEN.map(|direction| {
+        let sigma = factor(direction) * sigma.quadratic(direction).max(0.0).sqrt();
+        Sight { direction, sigma, ..Sight::default() }
+    });
+    fit(&sights)
+}

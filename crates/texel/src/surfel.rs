@@ -1,0 +1,192 @@
+//! A surfel: a point of the surface inside a voxel, and where it can be seen from.
+//!
+//! One ellipsoid says how matter is turned, not what of it shows: from the side a tuft shows its tips, a tube only its
+//! near half, and what the eye sees through a gap the light reaches through the same gap. So a voxel of geometry holds
+//! a few points of its surface [Pfister00], one side each, with a mask of the directions in which nothing near blocks
+//! them. What is seen of the voxel from v and lit from l is then a sum over its surfels:
+//!
+//! ```text
+//! Σ w (n·v)⁺ M(v) · c (n·l)⁺ M(l)  /  Σ w (n·v)⁺ M(v)
+//! ```
+//!
+//! with the masks M in the directions of texel space. An affine map keeps what blocks what, so bent boxes need no other
+//! masks; only the cosine to the light is taken in the scene.
+
+use glam::Vec3;
+
+use crate::packed::{bytes, normal, octahedral, unit};
+
+/// A point of the surface, seen from one side. 16 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Surfel {
+    open: u64,
+    normal: [i16; 2],
+    color: [u8; 3],
+    weight: u8,
+}
+
+impl Surfel {
+    /// How far the masks of voxels of edge `edge` look, in texel units like it: what is nearer does not count again as
+    /// a shadow. Two voxels, and a little further, because strands that stand next to each other hide alike however
+    /// finely they are cut.
+    pub fn reach(edge: f32) -> f32 {
+        2.0 * edge + 0.04
+    }
+
+    /// Cells of the mask along each axis of the disk.
+    pub(crate) const SIDE: usize = 8;
+
+    /// A surfel of unit `normal` and linear `color`, which stands for the part `weight` (0 to 1) of the largest of its
+    /// voxel.
+    pub(crate) fn new(normal: Vec3, color: Vec3, weight: f32, open: u64) -> Self {
+        Self {
+            open,
+            normal: octahedral(normal),
+            color: bytes(color.map(f32::sqrt)),
+            // Nothing that is there weighs nothing.
+            weight: (255.0 * weight).round().max(1.0) as u8,
+        }
+    }
+
+    /// Unit normal, on the side that is seen; texel space.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        normal(self.normal)
+    }
+
+    /// Linear albedo.
+    #[inline]
+    pub fn color(&self) -> Vec3 {
+        let root = unit(self.color);
+        root * root
+    }
+
+    /// The surface that it stands for, as a part of that of the voxel's largest.
+    #[inline]
+    pub fn weight(&self) -> f32 {
+        f32::from(self.weight) * (1.0 / 255.0)
+    }
+
+    /// Whether nothing near blocks it towards the unit vector `d` of texel space; `false` for those behind it.
+    #[inline]
+    pub fn sees(&self, d: Vec3) -> bool {
+        let normal = self.normal();
+        normal.dot(d) > 0.0 && self.is_open(on_disk(normal, d).map(f32::floor))
+    }
+
+    /// How far it is open towards the light, 0 to 1, where the eye sees it (unit vectors to both, texel space).
+    ///
+    /// Counted from the cell in which the eye is, so that nothing stands between the light and what is seen where both
+    /// directions are one, and the more they part the less they have to do with each other.
+    #[inline]
+    pub fn lit(&self, eye: Vec3, light: Vec3) -> f32 {
+        let normal = self.normal();
+        if normal.dot(light) <= 0.0 {
+            return 0.0;
+        }
+        let (eye, light) = (on_disk(normal, eye), on_disk(normal, light));
+        let [x, y] = [0, 1].map(|i| eye[i].floor() + light[i] - eye[i]);
+        let ([i, j], [a, b]) = ([x.floor(), y.floor()], [x - x.floor(), y - y.floor()]);
+        let open = |x: f32, y: f32| f32::from(u8::from(self.is_open([x, y])));
+        let row = |y: f32| open(i, y) + a * (open(i + 1.0, y) - open(i, y));
+        row(j) + b * (row(j + 1.0) - row(j))
+    }
+
+    /// The bit of the cell at a column and row; of the nearest, outside.
+    #[inline]
+    fn is_open(&self, at: [f32; 2]) -> bool {
+        let [column, row] = at.map(|c| (c.max(0.0) as u32).min(Self::SIDE as u32 - 1));
+        self.open >> (Self::SIDE as u32 * row + column) & 1 != 0
+    }
+}
+
+/// Where a direction on the side of `normal` lies on the mask: the disk under the hemisphere in 8 × 8 squares, so that
+/// each holds as much cosine-weighted light as any other.
+#[inline]
+fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
+    axes(normal).map(|axis| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32)
+}
+
+/// The axes of the disk.
+#[inline]
+fn axes(normal: Vec3) -> [Vec3; 2] {
+    let (x, y) = normal.any_orthonormal_pair();
+    [x, y]
+}
+
+/// The direction at a point of the square around the disk, `[−1, 1]²`, drawn in to where the hemisphere is.
+pub(crate) fn direction(normal: Vec3, [x, y]: [f32; 2]) -> Vec3 {
+    // Along the horizon itself the surface would block what it sees.
+    const WIDEST: f32 = 0.995;
+    let scale = (WIDEST / x.hypot(y)).min(1.0);
+    let [x, y] = [scale * x, scale * y];
+    let [a, b] = axes(normal);
+    x * a + y * b + (1.0 - x * x - y * y).sqrt() * normal
+}
+
+/// The surfels of a level's voxels, one after the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Surfels {
+    /// Where each voxel's begin, and the end; empty where no voxel has any.
+    first: Vec<u32>,
+    all: Vec<Surfel>,
+}
+
+impl Surfels {
+    pub(crate) fn new(each: Vec<Vec<Surfel>>) -> Self {
+        let mut first = Vec::with_capacity(each.len() + 1);
+        let mut count = 0;
+        first.push(count);
+        for surfels in &each {
+            count += surfels.len() as u32;
+            first.push(count);
+        }
+        Self { first, all: each.concat() }
+    }
+
+    #[inline]
+    pub(crate) fn of(&self, voxel: u32) -> &[Surfel] {
+        let voxel = voxel as usize;
+        match self.first.get(voxel..voxel + 2) {
+            Some(&[start, end]) => self.all.get(start as usize..end as usize).unwrap_or(&[]),
+            _ => &[],
+        }
+    }
+
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(self.first.as_slice()) + size_of_val(self.all.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn sixteen_bytes() {
+        assert_eq!(size_of::<Surfel>(), 16);
+    }
+
+    #[test]
+    fn a_cell_holds_the_directions_of_its_square() {
+        let random = &mut Random::new(1, 0);
+        for _ in 0..20_000 {
+            let n = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
+            let n = normal(octahedral(n));
+            let (x, y) = (random.signed(), random.signed());
+            let d = direction(n, [x, y]);
+            assert!((d.length() - 1.0).abs() < 1e-5 && d.dot(n) > 0.0);
+            let at = |v: f32| ((0.5 * v + 0.5) * 8.0) as usize;
+            if x.hypot(y) < 0.99
+                && ((4.0 * x).fract().abs() - 0.5).abs() < 0.49
+                && ((4.0 * y).fract().abs() - 0.5).abs() < 0.49
+            {
+                let [column, row] = [at(x), at(y)];
+                let surfel = Surfel::new(n, Vec3::ONE, 1.0, 1 << (8 * row + column));
+                assert!(surfel.sees(d) && !surfel.sees(-d));
+                assert!(!Surfel::new(n, Vec3::ONE, 1.0, !(1 << (8 * row + column))).sees(d));
+            }
+        }
+    }
+}
