@@ -132,13 +132,22 @@ fn scene_files_that_make_no_sense() {
         ("[[skin]]\nheight = nan\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
         (
             "[[skin]]\ntexel.fur = { preset = \"wool\" }\n",
-            "s.toml:3: there is no preset of fur `wool`: there are `hair`, `long`, `plush`, `short`",
+            "s.toml:3: there is no preset of fur `wool`: there are `long`, `hair`, `short`, `plush`",
         ),
         (
             "[[skin]]\ntexel.fur = { resolution = 100 }\n",
             "skin[0].texel.fur.resolution: must be a power of two",
         ),
-        ("[[skin]]\ntexel.grass = {}\n", "s.toml:3: unknown variant `grass`"),
+        ("[[skin]]\ntexel.gras = {}\n", "s.toml:3: there is no texel `gras`: did you mean `grass`?"),
+        (
+            "[[skin]]\ntexel.grass = { tapper = 1 }\n",
+            "there is no field of grass `tapper`: did you mean `taper`?",
+        ),
+        ("[[skin]]\ntexel.leaves = { count = -1 }\n", "s.toml:3: count: "),
+        (
+            "[[skin]]\ntexel.grass = { count = 1000000000 }\n",
+            "skin[0].texel.grass.count: is 1000000000, which is not in 1 to 1000000",
+        ),
         (
             "[[skin]]\non = [\"Bdoy\"]\n",
             "skin[0].on: there is no mesh or material `Bdoy`: did you mean `Body`?",

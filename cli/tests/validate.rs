@@ -13,7 +13,7 @@ const SHEET: &str = "geometry = [{ file = \"a.obj\" }]\n\
                      [camera.framed]\nazimuth = 20\nelevation = 40\n[render]\nsize = [64, 48]\n";
 
 /// As little as can be asked for.
-const LITTLE: &str = "--size 8 --spp 4 --frames 2 --distances 16,8h -t 2";
+const LITTLE: &str = "-t 2 --size 8 --spp 4 --frames 2 --distances 16,8h";
 
 impl Folder {
     /// A folder with a square on the ground and a scene with a sheet on it.
@@ -77,7 +77,7 @@ fn a_table_and_a_page() {
 #[test]
 fn an_object_for_programs() {
     let folder = Folder::new();
-    let run = || folder.run(&format!("validate s.toml -q --json --goals fur {LITTLE}")).stdout;
+    let run = || folder.run(&format!("validate s.toml -q --json --goals fur {LITTLE},near")).stdout;
     let list: Value = serde_json::from_slice(&run()).expect("JSON");
     let study = &list[0];
     assert_eq!(study["scene"], "s.toml");
@@ -90,6 +90,9 @@ fn an_object_for_programs() {
     assert!((2.0..4.0).contains(&level), "{level}");
     let halfway = study["distances"][1]["level"].as_f64().expect("a number");
     assert!((halfway - halfway.floor() - 0.5).abs() < 1e-3, "{halfway}");
+    // A pixel half as wide as a voxel of level 3, the finest.
+    let near = study["distances"][2]["level"].as_f64().expect("a number");
+    assert!((near - 4.0).abs() < 1e-3, "{near}");
     let cell = &found["lights"][0];
     for key in ["light", "energy_error", "rmse", "flip", "worth", "flicker", "flicker_of_16", "misses"] {
         assert!(cell.get(key).is_some(), "{key}");
@@ -115,7 +118,7 @@ fn goals_and_the_exit_code() {
 #[test]
 fn mesh_files_and_their_own_light() {
     let folder = Folder::new();
-    let line = "validate a.obj -q --texel leaves --resolution 4 --height 0.3 --lights scene --frames 0 --size 8 --spp 4";
+    let line = "validate a.obj -q --texel sheet --resolution 4 --height 0.3 --lights scene --frames 0 --size 8 --spp 4";
     let output = folder.run(&format!("{line} --distances 8"));
     let said = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

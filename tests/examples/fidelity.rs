@@ -68,7 +68,9 @@ fn main() {
             geometry.colors = geometry.triangles.iter().map(|t| Vec3::splat((t[0].z + t[1].z + t[2].z) / 3.0).clamp(Vec3::ZERO, Vec3::ONE)).collect();
         }
         geometry.specular = 0.0;
+        let start = std::time::Instant::now();
         let texel: Arc<Texel> = texel(&geometry, depth, true);
+        println!("{name}: baked in {:.1} s, {} voxels, {:.1} MB", start.elapsed().as_secs_f32(), texel.levels().last().unwrap().len(), texel.levels().iter().map(|l| l.memory()).sum::<usize>() as f32 / 1e6);
         let boxes: u32 = std::env::var("BOXES").ok().and_then(|d| d.parse().ok()).unwrap_or(12);
         let mesh = surface::plane(boxes as f32, boxes, boxes);
         let skin = extrude(&mesh, &|_| true, &SkinOptions::per_patch(1.0)).unwrap();
@@ -103,7 +105,7 @@ fn main() {
                 let distance = size as f32 / width / (2.0 * (fov / 2.0).tan());
                 // Off the grid: no pixel's rays all meet the same part of every box.
                 let camera = Camera::look_at(eye * distance + Vec3::new(0.013, 0.4, 0.027), Vec3::new(0.013, 0.4, 0.027), Vec3::Y, fov);
-                let across = if width > 4.0 { 13.0 * width } else { 0.4 * boxes as f32 * width };
+                let across = if width > 4.0 { 13.0 * width } else { 0.5 * boxes as f32 * width };
                 let side = across.min(if width > 100.0 { 80.0 } else { 56.0 }) as u32 & !1;
                 let crop = Rect { x: (size - side) / 2, y: (size - side) / 2, width: side, height: side };
                 let shadows = std::env::var("NOSHADOW").is_err();

@@ -150,6 +150,7 @@ fn build_source(
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
     let mut levels: Vec<Level> = levels.collect();
+    let clock = std::time::Instant::now();
     let finest = levels.len() - 1;
     let grid = finest.min(6);
     let scene = Surroundings::new(&facets, &lists[grid], &levels[grid]);
@@ -157,7 +158,9 @@ fn build_source(
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
+    eprintln!("calibrated {:?}", clock.elapsed());
     let surfels = exposure::measure(&facets, &lists, &levels);
+    eprintln!("surfels {:?}", clock.elapsed());
     for (level, surfels) in levels.iter_mut().zip(surfels) {
         level.set_surfels(surfels);
     }

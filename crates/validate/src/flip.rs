@@ -6,7 +6,7 @@ use pelage::tracer::Film;
 
 use crate::measures::{MeasureError, check};
 
-/// Pixels a degree of a 0.7 m wide screen of 3840 pixels seen from 0.7 m, as in [Andersson20].
+/// Pixels a degree of a 0.7 m wide screen of 3840 pixels seen from 0.7 m, as in \[Andersson20\].
 pub const NORMAL_PPD: f32 = nv_flip::DEFAULT_PIXELS_PER_DEGREE;
 
 /// What a person sees of a difference, pixel by pixel.
@@ -17,7 +17,7 @@ pub struct FlipMap {
 /// Compares two films as they look on a screen, over black, at `ppd` pixels a degree of the eye.
 ///
 /// The films are shown as `display` says (the same for both), in sRGB bytes, and their difference in filtered colour
-/// and in edges and points goes from 0, none, to 1, black for white. [Andersson20], its LDR variant.
+/// and in edges and points goes from 0, none, to 1, black for white. \[Andersson20\], its LDR variant.
 ///
 /// # Errors
 /// Different sizes or windows; a film without its pixels.

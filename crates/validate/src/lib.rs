@@ -23,6 +23,7 @@ mod noise;
 mod page;
 mod panels;
 mod picture;
+mod rendering;
 mod sight;
 mod station;
 mod study;

@@ -58,7 +58,7 @@ pub struct Difference {
 pub struct Measures {
     /// Root mean square error √(mean (a − b)²), in radiance.
     pub rmse: f64,
-    /// Relative mean square error, mean (a − b)²/(b² + ε), ε = 0.01 radiance². [Rousselle12]
+    /// Relative mean square error, mean (a − b)²/(b² + ε), ε = 0.01 radiance². \[Rousselle12\]
     pub rel_mse: f64,
     /// Peak signal-to-noise ratio −10 log₁₀ mean (a′ − b′)² in dB, where a′ and b′ in `[0,1]` are the sRGB bytes / 255
     /// that a screen shows; `None` where these are the same.

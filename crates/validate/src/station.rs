@@ -81,6 +81,8 @@ pub(crate) struct Station {
     camera: Camera,
     /// The width of a pixel at the target, in scene units.
     pixel: f32,
+    /// With fewer pixels than this it looks more than once.
+    enough: usize,
     pub size: [u32; 2],
     /// The part that is rendered.
     pub crop: Rect,
@@ -92,9 +94,6 @@ pub(crate) struct Station {
 
 /// A camera is at least this many heights of the coat away from the target: nearer, the view narrows instead.
 const CLEARANCE: f32 = 4.0;
-
-/// A station with fewer pixels than this looks more than once.
-const ENOUGH: usize = 2048;
 
 /// The most times that a station looks.
 const MOST_LOOKS: usize = 16;
@@ -111,7 +110,7 @@ impl Station {
     /// The cameras of this station: one where there are many pixels; where there are few, so many that they make up for
     /// it, each moved by another part of a pixel. What a handful of pixels shows is luck.
     pub fn looks(&self) -> Vec<Camera> {
-        let count = (ENOUGH / self.crop.area()).clamp(1, MOST_LOOKS);
+        let count = (self.enough / self.crop.area()).clamp(1, MOST_LOOKS);
         // Both coordinates spread evenly over the pixel. [Roberts18]
         let place = |k: usize| Vec2::new(0.754_877_7, 0.569_840_3) * k as f32;
         (0..count)
@@ -161,6 +160,8 @@ impl Station {
         Self {
             camera,
             pixel,
+            // A quarter of the pixels that there may be.
+            enough: (side as usize).pow(2) / 4,
             size,
             crop: crop(&camera, size, sight.bounds, side),
             box_pixels: sight.box_width / pixel,
@@ -193,4 +194,37 @@ fn crop(camera: &Camera, size: [u32; 2], bounds: [Vec3; 2], side: u32) -> Rect {
     };
     let ((x, width), (y, height)) = (range(0), range(1));
     Rect { x, y, width, height }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_back() {
+        for distance in Distance::STANDARD {
+            assert_eq!(distance.to_string().parse(), Ok(distance));
+        }
+        for bad in ["", "far", "0", "-1", "nan", "inf", "1e9", "h", "64hh"] {
+            assert!(bad.parse::<Distance>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_window_holds_what_is_seen() {
+        // 90° of view and 100 rows: 50 pixels to a unit at depth 1, 5 at depth 10. A cube of side 2 around the target
+        // at distance 10 reaches to 50/9 = 5.6 pixels from the middle, and 2 pixels are kept around it.
+        let camera =
+            Camera::look_at(Vec3::new(0.0, 0.0, 10.0), Vec3::ZERO, Vec3::Y, std::f32::consts::FRAC_PI_2);
+        let cube = [Vec3::NEG_ONE, Vec3::ONE];
+        assert_eq!(crop(&camera, [200, 100], cube, 96), Rect { x: 92, y: 42, width: 16, height: 16 });
+        // No more than asked for, and all of that if something is behind the eye.
+        assert_eq!(crop(&camera, [200, 100], cube, 8), Rect { x: 96, y: 46, width: 8, height: 8 });
+        let behind = [Vec3::NEG_ONE, Vec3::new(1.0, 1.0, 11.0)];
+        assert_eq!(crop(&camera, [200, 100], behind, 50), Rect { x: 75, y: 25, width: 50, height: 50 });
+        // Off to the right, nothing is left of the middle; never nothing at all.
+        let right = [Vec3::new(3.0, -1.0, -1.0), Vec3::new(4.0, 1.0, 1.0)];
+        let window = crop(&camera, [200, 100], right, 8);
+        assert!(window.x >= 100 && window.width >= 1, "{window:?}");
+    }
 }

@@ -1,12 +1,11 @@
 //! A scene validated: cone pictures against the reference, at every distance and under every light.
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use pelage::compile::Prepared;
 use pelage::output::Display;
-use pelage::tracer::reference::{Lighting, ReferenceError, ReferenceSettings, render_under};
-use pelage::tracer::{Camera, Film, Rect, RenderError, SceneError, Settings, render};
+use pelage::tracer::reference::{ReferenceError, ReferenceSettings};
+use pelage::tracer::{Film, RenderError, SceneError};
 use serde::Serialize;
 
 use crate::flicker::flicker;
@@ -14,9 +13,10 @@ use crate::flip::{FlipMap, NORMAL_PPD, flip};
 use crate::goals::{Goals, Miss};
 use crate::measures::{MeasureError, mean_alpha, mean_radiance};
 use crate::noise::{Halves, Worth};
+use crate::rendering::{Rendering, push};
 use crate::sight::{Sight, SightError};
 use crate::station::{Distance, Station};
-use crate::suns::{Lights, Situation};
+use crate::suns::Lights;
 
 /// What a validation does.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ pub struct Plan {
 impl Default for Plan {
     fn default() -> Self {
         Self {
-            size: 96,
+            size: 72,
             samples: 128,
             distances: Distance::STANDARD.to_vec(),
             lights: Lights::Standard,
@@ -328,76 +328,4 @@ fn flickers(
     Ok(measured
         .map(|((cone, of_16), reference)| (flicker(cone, reference), flicker(of_16, reference)))
         .collect())
-}
-
-/// Films of the same window, one under another.
-fn stacked(films: &[Film]) -> Film {
-    let Rect { width, height, .. } = films.first().map_or(Rect::whole([0, 0]), |film| film.window);
-    let size = [width, height * films.len() as u32];
-    let pixels = films.iter().flat_map(|film| &film.pixels).copied().collect();
-    Film { size, window: Rect::whole(size), pixels }
-}
-
-/// More seeds than one look uses.
-const SEEDS: u32 = 1 << 16;
-
-/// Adds a frame to each sequence.
-fn push<T>(sequences: &mut [Vec<T>], frames: Vec<T>) {
-    for (sequence, frame) in sequences.iter_mut().zip(frames) {
-        sequence.push(frame);
-    }
-}
-
-/// Renders a scene under several lights.
-struct Rendering<'a> {
-    prepared: &'a mut Prepared,
-    plan: &'a Plan,
-    situations: &'a [Situation],
-}
-
-impl Rendering<'_> {
-    fn cones(&mut self, station: &Station) -> Result<Vec<Film>, StudyError> {
-        let settings = Settings {
-            size: station.size,
-            crop: Some(station.crop),
-            shadows: true,
-            ..self.prepared.settings
-        };
-        let mut films = Vec::new();
-        for situation in self.situations {
-            self.prepared.scene.set_lighting(situation.lighting.clone())?;
-            let go_on = |_| ControlFlow::Continue(());
-            let look = |camera: &Camera| render(&self.prepared.scene, camera, &settings, &go_on);
-            let looks = station.looks().iter().map(look).collect::<Result<Vec<_>, _>>()?;
-            films.push(stacked(&looks));
-        }
-        Ok(films)
-    }
-
-    fn reference(&self, station: &Station, samples: u32, seed: u32) -> Result<Vec<Film>, StudyError> {
-        let settings = |seed| ReferenceSettings {
-            size: station.size,
-            crop: Some(station.crop),
-            samples,
-            seed,
-            shadows: true,
-            memory: self.plan.memory,
-        };
-        let lightings: Vec<Lighting> = self.situations.iter().map(|s| s.lighting.clone()).collect();
-        let go_on = |_| ControlFlow::Continue(());
-        let mut looks = vec![Vec::new(); lightings.len()];
-        for (k, camera) in (0..).zip(station.looks()) {
-            // Seeds of other looks stay clear of those of other films.
-            let settings = settings(seed + SEEDS * k);
-            push(&mut looks, render_under(&self.prepared.scene, &camera, &settings, &lightings, &go_on)?);
-        }
-        Ok(looks.iter().map(|looks| stacked(looks)).collect())
-    }
-
-    /// In two halves of the seeds `seed` and `seed + 1`.
-    fn references(&self, station: &Station, samples: u32, seed: u32) -> Result<Vec<Halves>, StudyError> {
-        let half = (samples / 2).max(1);
-        let [first, second] = [seed, seed + 1].map(|seed| self.reference(station, half, seed));
-        Ok(first?.into_iter().zip(second?).map(|(a, b)| Halves::new(a, b)).collect())
-    }
 }

@@ -32,7 +32,7 @@ impl Spheres {
     }
 
     fn sphere(&self, centre: Vec3, radius: f32, geometry: &mut Geometry) {
-        let around = 2 * self.rings;
+        let around = self.rings.saturating_mul(2);
         let point = |i: u32, j: u32| {
             let (ring, height) = (PI * j as f32 / self.rings as f32).sin_cos();
             // The last meridian is the first, to the bit.
@@ -78,7 +78,7 @@ impl Procedure for Spheres {
         let mut geometry =
             Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
         let n = self.side;
-        for i in 0..n.pow(3) {
+        for i in 0..n.saturating_pow(3) {
             let cell = UVec3::new(i % n, i / n % n, i / n / n);
             let centre = (cell.as_vec3() + 0.5) / n as f32;
             self.sphere(centre, 0.5 * self.fill / n as f32, &mut geometry);

@@ -5,7 +5,7 @@ use pelage_geom::{Cone, Ray};
 
 use super::march::{Beam, march};
 use super::passages::{self, BoxPassage};
-use super::{Blend, Cell, Piece, Trail, VoxelKey};
+use super::{Blend, Piece, Trail, VoxelKey};
 use crate::surface::SurfaceHit;
 use crate::{Scene, Settings};
 
@@ -48,8 +48,8 @@ pub(crate) struct View {
     pub surfaces: Vec<SeenSurface>,
     passages: Vec<BoxPassage>,
     trail: Trail,
-    /// Cells not yet composited, in order of distance: of the boxes that the ray is in at the same time.
-    pending: Vec<Cell>,
+    /// Pieces not yet composited, in order of distance: of the boxes that the ray is in at the same time.
+    pending: Vec<Piece>,
 }
 
 impl View {
@@ -65,7 +65,7 @@ impl View {
         let end = surface.map_or(f64::INFINITY, |hit| hit.t);
         let beam = Beam { ray, cone, settings };
         let direction = ray.direction.as_vec3();
-        let mut transmittance = 1.0;
+        let mut blend = Blend::START;
 
         passages::collect(scene, ray, 0.0, end, &mut self.passages);
         self.trail.clear();
@@ -73,23 +73,24 @@ impl View {
         for passage in &self.passages {
             // What lies before this box's entry can be overtaken by nothing more.
             let t = passage.t[0] as f32;
-            let ready = self.pending.partition_point(|cell| cell.t < t);
-            for cell in self.pending.drain(..ready) {
-                show(&mut self.voxels, &self.trail, &cell, beam, share, direction, &mut transmittance);
+            let ready = self.pending.partition_point(|piece| piece.t < t);
+            for piece in self.pending.drain(..ready) {
+                show(&mut self.voxels, &self.trail, &piece, settings, share, direction, &mut blend);
             }
-            if transmittance < settings.min_transmittance {
+            if blend.transmittance() < settings.min_transmittance {
                 break;
             }
-            let before = self.trail.cells.len();
+            let before = self.trail.pieces.len();
             march(scene, beam, passage, &mut self.trail);
-            self.pending.extend(self.trail.cells.drain(before..));
+            self.pending.extend(self.trail.pieces.drain(before..));
             // Stable: of equal distances, the box that was entered first.
             self.pending.sort_by(|a, b| a.t.total_cmp(&b.t));
         }
-        for cell in self.pending.drain(..) {
-            show(&mut self.voxels, &self.trail, &cell, beam, share, direction, &mut transmittance);
+        for piece in self.pending.drain(..) {
+            show(&mut self.voxels, &self.trail, &piece, settings, share, direction, &mut blend);
         }
 
+        let transmittance = blend.transmittance();
         if transmittance < settings.min_transmittance {
             return 0.0;
         }
@@ -157,29 +158,24 @@ impl View {
     }
 }
 
-/// Lays one cell behind what has been seen.
+/// Lays one piece behind what has been seen.
 fn show(
     voxels: &mut Vec<SeenVoxel>,
     trail: &Trail,
-    cell: &Cell,
-    beam: Beam,
+    piece: &Piece,
+    settings: &Settings,
     share: f32,
     direction: Vec3,
-    transmittance: &mut f32,
+    blend: &mut Blend,
 ) {
     // Nothing behind may add: the loss is at most `min_transmittance`.
-    if *transmittance < beam.settings.min_transmittance {
+    if blend.transmittance() < settings.min_transmittance {
         return;
     }
-    let mut blend = Blend::new(cell);
-    for piece in trail.pieces_of(cell) {
-        let hidden = blend.pass(piece.fine, piece.through);
-        let weight = share * *transmittance * hidden;
-        if weight > 0.0 {
-            voxels.push(seen(trail, piece, weight, direction));
-        }
+    let weight = share * blend.pass(piece.key.level, piece.even, piece.through);
+    if weight > 0.0 {
+        voxels.push(seen(trail, piece, weight, direction));
     }
-    *transmittance *= blend.transmittance();
 }
 
 fn seen(trail: &Trail, piece: &Piece, weight: f32, direction: Vec3) -> SeenVoxel {
@@ -215,20 +211,5 @@ mod tests {
             bottom += (-2.0 * x).exp();
         }
         assert!((f64::from(mean_visible(2.0)) - top / bottom).abs() < 1e-6);
-    }
-
-    #[test]
-    fn half_covered_cells_stay_half_covered() {
-        // Fine: one opaque and one empty half give ½; coarse: ½. Any blend of the two must give ½.
-        for blend in [0.0, 0.25, 0.5, 0.75] {
-            let cell = Cell { t: 0.0, blend, pieces: 0..0 };
-            // A ray through the opaque half, and one through the empty half.
-            let mut opaque = Blend::new(&cell);
-            let hidden = opaque.pass(false, 0.5) + opaque.pass(true, 0.0);
-            let mut empty = Blend::new(&cell);
-            empty.pass(false, 0.5);
-            assert!((0.5 * (opaque.transmittance() + empty.transmittance()) - 0.5).abs() < 1e-6);
-            assert!((hidden - (1.0 - opaque.transmittance())).abs() < 1e-6);
-        }
     }
 }

@@ -20,6 +20,12 @@ impl Band {
         self.coarse + u32::from(self.blend > 0.0)
     }
 
+    /// The levels that have any weight, with it.
+    pub fn levels(self) -> impl Iterator<Item = (u32, f32)> {
+        let coarse = (self.coarse, 1.0 - self.blend);
+        [coarse, (self.coarse + 1, self.blend)].into_iter().filter(|(_, weight)| *weight > 0.0)
+    }
+
     /// The band of a continuous level λ, where a texel has levels `0..=depth`.
     pub fn of(lambda: f32, depth: u32) -> Self {
         let lambda = lambda.clamp(0.0, depth as f32);
@@ -31,11 +37,6 @@ impl Band {
             _ if blend > 255.0 / 256.0 => Self { coarse: coarse + 1, blend: 0.0 },
             _ => Self { coarse, blend },
         }
-    }
-
-    /// Whether the same levels are read, whatever their weights.
-    pub fn same_levels(self, other: Self) -> bool {
-        self.coarse == other.coarse && self.finest() == other.finest()
     }
 }
 
@@ -63,9 +64,6 @@ mod tests {
         assert_eq!(Band::of(2.25, 7), Band { coarse: 2, blend: 0.25 });
         assert_eq!(Band::of(2.001, 7), Band { coarse: 2, blend: 0.0 });
         assert_eq!(Band::of(2.999, 7), Band { coarse: 3, blend: 0.0 });
-        assert!(
-            Band::of(2.2, 7).same_levels(Band::of(2.9, 7)) && !Band::of(2.2, 7).same_levels(Band::of(2.0, 7))
-        );
         assert_eq!((Band::of(2.25, 7).finest(), Band::of(2.0, 7).finest()), (3, 2));
     }
 

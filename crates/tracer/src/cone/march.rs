@@ -1,16 +1,12 @@
-//! From chords to voxels: what a cone meets inside one box, at the levels that fit its width. [seed §6, Neyret98]
-//!
-//! The coarser level is walked cell by cell; inside each of its cells the eight children are asked for the finer
-//! level, so that the two can be blended as transmittances, cell by cell.
+//! From chords to voxels: what a cone meets inside one box, at the two levels that fit its width. [seed §6, Neyret98]
 
-use glam::{IVec3, Vec3};
 use pelage_geom::{Cone, Ray};
-use pelage_texel::{Crossing, Level, Line, Step, Texel};
+use pelage_texel::{Crossing, Line, Step, Texel};
 
 use super::lod::{Band, lambda};
 use super::passages::BoxPassage;
 use super::path::{Chord, LocalRay};
-use super::{Blend, Cell, Piece, Trail, VoxelKey};
+use super::{Blend, Piece, Trail, VoxelKey};
 use crate::{Opacity, Path, Scene, Settings};
 
 /// Two chords may differ by this much of a level before one level for both would show.
@@ -51,25 +47,29 @@ pub(crate) fn march(scene: &Scene, beam: Beam, passage: &BoxPassage, trail: &mut
     }
 
     let span = (passage.t[1] - passage.t[0]).max(f64::MIN_POSITIVE);
-    let mut walker = Walker {
-        texel,
-        patch: passage.patch,
-        opacity: settings.opacity,
-        open: None,
-        transmittance: 1.0,
-        trail,
-    };
-    for index in first..walker.trail.chords.len() {
-        let chord = walker.trail.chords[index];
+    let mut blend = Blend::START;
+    let begin = trail.pieces.len();
+    for index in first..trail.chords.len() {
+        let chord = trail.chords[index];
         let middle = ((0.5 * (chord.t[0] + chord.t[1]) - passage.t[0]) / span) as f32;
-        let level = levels[0] + (levels[1] - levels[0]) * middle;
-        walker.chord(index as u32, &chord, Band::of(level, texel.depth()), settings.min_transmittance);
-        if walker.transmittance < settings.min_transmittance {
+        let band = Band::of(levels[0] + (levels[1] - levels[0]) * middle, texel.depth());
+        for (l, weight) in band.levels() {
+            let walker = Walker {
+                texel,
+                patch: passage.patch,
+                opacity: settings.opacity,
+                level: l,
+                even: if l % 2 == 0 { weight } else { 1.0 - weight },
+            };
+            walker.walk(index as u32, &chord, settings.min_transmittance, &mut blend, &mut trail.pieces);
+        }
+        if blend.transmittance() < settings.min_transmittance {
             break;
         }
     }
-    walker.close();
-    walker.transmittance
+    // Stable: at equal distances, the coarser level first.
+    trail.pieces[begin..].sort_by(|a, b| a.t.total_cmp(&b.t));
+    blend.transmittance()
 }
 
 /// 1 − opacity of an optical depth.
@@ -81,89 +81,33 @@ pub(crate) fn through(opacity: Opacity, depth: f32) -> f32 {
     }
 }
 
-/// Walks the chords of one passage; a cell that two chords share is one cell.
+/// Walks the chords of one passage at one level.
 struct Walker<'a> {
     texel: &'a Texel,
     patch: u32,
     opacity: Opacity,
-    /// The cell being walked: which it is, and where its pieces begin.
-    open: Option<(Band, IVec3, f32, u32)>,
-    transmittance: f32,
-    trail: &'a mut Trail,
+    level: u32,
+    /// Weight of the even level in use.
+    even: f32,
 }
 
 impl Walker<'_> {
-    fn chord(&mut self, index: u32, chord: &Chord, band: Band, least: f32) {
-        let Some(level) = self.texel.levels().get(band.coarse as usize) else { return };
-        let fine = if band.blend > 0.0 { self.texel.levels().get(band.coarse as usize + 1) } else { None };
+    fn walk(&self, index: u32, chord: &Chord, least: f32, blend: &mut Blend, pieces: &mut Vec<Piece>) {
+        let Some(level) = self.texel.levels().get(self.level as usize) else { return };
         let [from, to] = chord.at.map(|at| at * level.resolution() as f32);
         let line = Line::new(from, to - from);
-        let finer = line.finer();
+        let [a, b] = chord.t;
+        let l = self.level as u8;
         for Step { cell, voxel, enter, leave } in level.walk(from, to) {
-            let same = self.open.is_some_and(|(b, open, ..)| b.same_levels(band) && open == cell);
-            if !same {
-                self.close();
-                if self.transmittance < least {
-                    return;
-                }
-                let [a, b] = chord.t;
-                let t = (a + (b - a) * f64::from(enter)) as f32;
-                self.open = Some((band, cell, t, self.trail.pieces.len() as u32));
+            let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else { continue };
+            let through = through(self.opacity, depth);
+            let key = VoxelKey { patch: self.patch, level: l, cell: cell.to_array() };
+            let t = (a + (b - a) * f64::from(range[0])) as f32;
+            pieces.push(Piece { key, voxel, even: self.even, depth, through, t, chord: index, range });
+            blend.pass(l, self.even, through);
+            if blend.left(l) < least {
+                break;
             }
-            if let Some(crossing) = level.cross(voxel, &line, cell, [enter, leave]) {
-                let key = VoxelKey { patch: self.patch, level: band.coarse as u8, cell: cell.to_array() };
-                self.piece(key, voxel, false, crossing, index);
-            }
-            if let Some(fine) = fine {
-                self.children(fine, band.coarse as u8 + 1, cell, [enter, leave], &finer, index);
-            }
-        }
-    }
-
-    /// The up to four children of `cell` that the line goes through.
-    fn children(&mut self, level: &Level, l: u8, cell: IVec3, range: [f32; 2], line: &Line, chord: u32) {
-        let middle = (2 * cell + IVec3::ONE).as_vec3();
-        let mut cuts = (middle - line.from) / line.step;
-        // A component that never crosses its mid-plane cuts at the end, where no piece is left to begin.
-        cuts = Vec3::select(cuts.is_nan_mask(), Vec3::splat(range[1]), cuts)
-            .clamp(Vec3::splat(range[0]), Vec3::splat(range[1]));
-        let mut cuts = [cuts.x, cuts.y, cuts.z, range[1]];
-        cuts[..3].sort_unstable_by(f32::total_cmp);
-        let mut enter = range[0];
-        for leave in cuts {
-            if leave > enter {
-                let at = line.from + 0.5 * (enter + leave) * line.step;
-                let upper = at.cmpge(middle);
-                let child = 2 * cell + IVec3::new(upper.x.into(), upper.y.into(), upper.z.into());
-                if let Some(voxel) = level.find(child)
-                    && let Some(crossing) = level.cross(voxel, line, child, [enter, leave])
-                {
-                    let key = VoxelKey { patch: self.patch, level: l, cell: child.to_array() };
-                    self.piece(key, voxel, true, crossing, chord);
-                }
-                enter = leave;
-            }
-        }
-    }
-
-    fn piece(&mut self, key: VoxelKey, voxel: u32, fine: bool, crossing: Crossing, chord: u32) {
-        let Crossing { range, depth } = crossing;
-        let through = through(self.opacity, depth);
-        self.trail.pieces.push(Piece { key, voxel, fine, depth, through, chord, range });
-    }
-
-    /// Ends the cell being walked.
-    fn close(&mut self) {
-        let Some((band, _, t, begin)) = self.open.take() else { return };
-        let end = self.trail.pieces.len() as u32;
-        if end > begin {
-            let cell = Cell { t, blend: band.blend, pieces: begin..end };
-            let mut blend = Blend::new(&cell);
-            for piece in self.trail.pieces_of(&cell) {
-                blend.pass(piece.fine, piece.through);
-            }
-            self.transmittance *= blend.transmittance();
-            self.trail.cells.push(cell);
         }
     }
 }

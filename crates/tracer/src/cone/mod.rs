@@ -39,39 +39,28 @@ pub(crate) struct Piece {
     pub key: VoxelKey,
     /// Index of the voxel in its level.
     pub voxel: u32,
-    /// Whether it belongs to the finer of the two levels in use.
-    pub fine: bool,
+    /// Weight of the even one of the two levels in use there.
+    pub even: f32,
     /// Optical depth.
     pub depth: f32,
     /// What gets through it.
     pub through: f32,
+    /// Distance at which the ray enters it, in scene units.
+    pub t: f32,
     /// Which of [`Trail::chords`] it lies on, and from where to where of it, as fractions.
     pub chord: u32,
     pub range: [f32; 2],
 }
 
-/// One cell of the coarser level in use, with what the ray meets in it at both levels.
-#[derive(Clone, Debug)]
-pub(crate) struct Cell {
-    /// Where the ray enters it.
-    pub t: f32,
-    /// Weight of the finer level, in `[0, 1)`.
-    pub blend: f32,
-    /// Its pieces in [`Trail::pieces`], front to back within each level.
-    pub pieces: std::ops::Range<u32>,
-}
-
 /// What a ray meets on its way, before anything hides anything.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trail {
-    pub cells: Vec<Cell>,
     pub pieces: Vec<Piece>,
     pub chords: Vec<Chord>,
 }
 
 impl Trail {
     pub fn clear(&mut self) {
-        self.cells.clear();
         self.pieces.clear();
         self.chords.clear();
     }
@@ -87,39 +76,93 @@ impl Trail {
         let [a, b] = self.chords[piece.chord as usize].at;
         piece.range.map(|x| a.lerp(b, x))
     }
-
-    /// The pieces of a cell.
-    pub fn pieces_of(&self, cell: &Cell) -> &[Piece] {
-        &self.pieces[cell.pieces.start as usize..cell.pieces.end as usize]
-    }
 }
 
-/// The two levels of a cell as they hide each other: each has a transmittance of its own, and what gets through
-/// the cell is their mean. Blending the transmittances, not the depths, keeps a half-covered cell half covered.
-/// [method §6]
+/// A ray on its way, blended from two: one sees the even levels only, one the odd, and what either has lost it has lost
+/// alone. So between two levels a picture is the mean of the two pictures: what gets past a strand in one cell gets
+/// past it in the next, which blending cell by cell would forget. Where the cone's width changes along the ray, its
+/// part moves from one to the other with what it has lost by then. [method §6]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blend {
-    weight: [f32; 2],
-    through: [f32; 2],
+    /// What is left, in the even and in the odd levels.
+    left: [f32; 2],
+    /// The even levels' weight.
+    even: f32,
 }
 
 impl Blend {
-    pub fn new(cell: &Cell) -> Self {
-        Self { weight: [1.0 - cell.blend, cell.blend], through: [1.0; 2] }
+    pub const START: Self = Self { left: [0.5; 2], even: 0.5 };
+
+    /// Goes through a piece of a level that gets `through` of it through, where the even levels weigh `even`; returns
+    /// how much of the whole ray it hides.
+    #[inline]
+    pub fn pass(&mut self, level: u8, even: f32, through: f32) -> f32 {
+        self.weigh(even);
+        let left = &mut self.left[usize::from(level % 2)];
+        let hidden = *left * (1.0 - through);
+        *left -= hidden;
+        hidden
     }
 
-    /// Goes through a piece of transmittance `through`; returns how much of what enters the cell it hides.
+    /// Gives the even levels the weight `even`.
     #[inline]
-    pub fn pass(&mut self, fine: bool, through: f32) -> f32 {
-        let level = usize::from(fine);
-        let hidden = self.weight[level] * self.through[level] * (1.0 - through);
-        self.through[level] *= through;
-        hidden
+    fn weigh(&mut self, even: f32) {
+        if even == self.even {
+            return;
+        }
+        let (from, kept) =
+            if even < self.even { (0, even / self.even) } else { (1, (1.0 - even) / (1.0 - self.even)) };
+        let moved = self.left[from] * (1.0 - kept);
+        self.left[from] -= moved;
+        self.left[1 - from] += moved;
+        self.even = even;
+    }
+
+    /// What is left in the levels of this parity.
+    #[inline]
+    pub fn left(&self, level: u8) -> f32 {
+        self.left[usize::from(level % 2)]
     }
 
     /// How much has got through so far.
     #[inline]
     pub fn transmittance(&self) -> f32 {
-        self.weight[0] * self.through[0] + self.weight[1] * self.through[1]
+        self.left[0] + self.left[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blend_is_the_mean_of_two_pictures() {
+        // Two cells; the coarse level (2) lets ½ through in each, the fine one (3) all or nothing, in both alike.
+        for (fine, expected) in [(1.0, 1.0), (0.0, 0.0)] {
+            for weight in [0.0, 0.25, 0.7, 1.0] {
+                let (mut blend, mut hidden) = (Blend::START, 0.0);
+                for _ in 0..2 {
+                    hidden += blend.pass(2, 1.0 - weight, 0.5);
+                    hidden += blend.pass(3, 1.0 - weight, fine);
+                }
+                let mean = (1.0 - weight) * 0.25 + weight * expected;
+                assert!((blend.transmittance() - mean).abs() < 1e-6);
+                assert!((hidden + mean - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn weights_that_change_lose_nothing() {
+        // Half is lost in level 4, at a weight of 1; then level 5 takes over by and by: all of it carries the loss.
+        let mut blend = Blend::START;
+        assert_eq!(blend.pass(4, 1.0, 0.5), 0.5);
+        for even in [0.9, 0.6, 0.1, 0.0] {
+            assert_eq!(blend.pass(5, even, 1.0), 0.0);
+            assert!((blend.transmittance() - 0.5).abs() < 1e-6);
+        }
+        // And to level 6, from which as much is hidden as it has.
+        assert!((blend.pass(6, 1.0, 0.0) - 0.5).abs() < 1e-6);
+        assert!(blend.transmittance() < 1e-6);
     }
 }

@@ -60,10 +60,14 @@ impl Shader {
             let to_light = incoming.direction;
             let half = (view + to_light).normalize_or_zero();
             let towards = (inverse * to_light).normalize_or_zero();
-            let lit =
-                |v: &Visible| !settings.shadows || v.surfel.is_none_or(|s| surfels[s as usize].sees(towards));
-            let reflected: Vec3 = (self.visible.iter().filter(|v| lit(v)))
-                .map(|v| v.weight * reflection(v.color, specular, exponent, v.normal, to_light, half))
+            let lit = |v: &Visible| match v.surfel {
+                Some(i) if settings.shadows => surfels[i as usize].lit(facing.view, towards),
+                _ => 1.0,
+            };
+            let reflected: Vec3 = (self.visible.iter())
+                .map(|v| {
+                    v.weight * lit(v) * reflection(v.color, specular, exponent, v.normal, to_light, half)
+                })
                 .sum();
             let reflected = reflected / whole;
             if reflected == Vec3::ZERO {
@@ -85,7 +89,7 @@ impl Shader {
                             width: f64::from(jacobian.determinant().abs().cbrt() / scale),
                             spread: f64::from(incoming.spread),
                         },
-                        correlation: Correlation::NONE,
+                        correlation: correlation(&inverse, view, to_light, 1.0 / scale),
                     },
                 );
             }
@@ -246,7 +250,7 @@ impl Facing {
 /// How quickly the ways to the eye and to the light part: by A = .02 + .2 h texel units, for a voxel of edge h.
 /// Measured on sheets, leaves, blades and hairs. [docs/notes/fidelity.md]
 fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, edge: f32) -> Correlation {
-    Correlation { q: (*inverse * (to_light - view)).length() / (0.02 + 0.2 * edge) }
+    Correlation { q: (*inverse * (to_light - view)).length() / 0.03 }
 }
 
 /// The part of the light that the voxel's own matter lets through to what is seen of it, when the light's depth

@@ -6,7 +6,7 @@ use pelage_geom::{Cone, Ray};
 use super::Trail;
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
-use super::{Blend, Cell};
+use super::{Blend, Piece};
 use crate::{Scene, Settings};
 
 /// A cone from a shaded point towards a light.
@@ -85,33 +85,28 @@ impl ShadowBuffers {
         let least = settings.min_transmittance.powi(if correlated { 4 } else { 1 });
         let walk = Settings { min_transmittance: least, ..*settings };
         let beam = Beam { ray: &ray, cone: &shadow.cone, settings: &walk };
-        let mut transmittance = 1.0;
+        let mut blend = Blend::START;
         passages::collect(scene, &ray, shadow.start, shadow.end, &mut self.passages);
         for passage in &self.passages {
             self.trail.clear();
             march(scene, beam, passage, &mut self.trail);
-            for cell in &self.trail.cells {
-                transmittance *= passed(&self.trail, cell, settings, shadow.correlation);
+            for piece in &self.trail.pieces {
+                let passed = passed(&self.trail, piece, settings, shadow.correlation);
+                blend.pass(piece.key.level, piece.even, passed);
             }
-            if transmittance < settings.min_transmittance {
+            if blend.transmittance() < settings.min_transmittance {
                 return 0.0;
             }
         }
-        transmittance
+        blend.transmittance()
     }
 }
 
-fn passed(trail: &Trail, cell: &Cell, settings: &Settings, correlation: Correlation) -> f32 {
-    let mut blend = Blend::new(cell);
-    for piece in trail.pieces_of(cell) {
-        let [near, far] = trail.distances(piece);
-        let factor = correlation.factor(near, far);
-        // Beyond the neighbourhood nothing is correlated, and what gets through is known.
-        let passed =
-            if factor == 1.0 { piece.through } else { through(settings.opacity, factor * piece.depth) };
-        blend.pass(piece.fine, passed);
-    }
-    blend.transmittance()
+fn passed(trail: &Trail, piece: &Piece, settings: &Settings, correlation: Correlation) -> f32 {
+    let [near, far] = trail.distances(piece);
+    let factor = correlation.factor(near, far);
+    // Beyond the neighbourhood nothing is correlated, and what gets through is known.
+    if factor == 1.0 { piece.through } else { through(settings.opacity, factor * piece.depth) }
 }
 
 #[cfg(test)]
