@@ -1,6 +1,8 @@
 //! What the integration tests share: bent boxes, contents to put in them, and the same contents as explicit
 //! triangles.
 
+pub mod stage;
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 

@@ -12,7 +12,6 @@ use crate::coverage::{ICOSAHEDRON, Matter, SIXTEEN, Sight, View, fit};
 use crate::exposure::{self, Surroundings};
 use crate::grid::Frame;
 use crate::openness;
-use crate::own_shadow::{Seen, kappa};
 use crate::packed::Packed;
 use crate::region::{Parts, Region};
 use crate::voxelise::{Cells, Facet, tile};
@@ -71,15 +70,14 @@ impl BuildOptions {
     /// How the voxels of a level are looked at.
     fn sampling(&self, level: u32) -> Sampling {
         let [fine, coarse] = [self.fine_rays, self.coarse_rays].map(|side| side as usize);
-        let (directions, side, points) = match level {
-            7.. => (ICOSAHEDRON.as_slice(), fine, 1),
-            6 => (ICOSAHEDRON.as_slice(), fine, 2),
-            5 => (ICOSAHEDRON.as_slice(), coarse, 3),
-            3..5 => (SIXTEEN.as_slice(), coarse, 2),
-            2 => (SIXTEEN.as_slice(), 4 * coarse, 4),
-            ..2 => (SIXTEEN.as_slice(), 8 * coarse, 4),
+        let (directions, side) = match level {
+            6.. => (ICOSAHEDRON.as_slice(), fine),
+            5 => (ICOSAHEDRON.as_slice(), coarse),
+            3..5 => (SIXTEEN.as_slice(), coarse),
+            2 => (SIXTEEN.as_slice(), 4 * coarse),
+            ..2 => (SIXTEEN.as_slice(), 8 * coarse),
         };
-        Sampling { frames: directions.iter().map(|&d| Frame::new(d)).collect(), side, points }
+        Sampling { frames: directions.iter().map(|&d| Frame::new(d)).collect(), side }
     }
 }
 
@@ -94,8 +92,6 @@ struct Sampling {
     frames: Vec<Frame>,
     /// Side of the square ray grid of each direction.
     side: usize,
-    /// Visible points kept from each direction, to measure the own shadow.
-    points: usize,
 }
 
 /// Builds a texel from triangles or from a kind that grows them, and keeps its source. `progress` is told the fraction done, 0 to 1, from any thread.
@@ -150,7 +146,6 @@ fn build_source(
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
     let mut levels: Vec<Level> = levels.collect();
-    let clock = std::time::Instant::now();
     let finest = levels.len() - 1;
     let grid = finest.min(6);
     let scene = Surroundings::new(&facets, &lists[grid], &levels[grid]);
@@ -158,9 +153,7 @@ fn build_source(
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
-    eprintln!("calibrated {:?}", clock.elapsed());
     let surfels = exposure::measure(&facets, &lists, &levels);
-    eprintln!("surfels {:?}", clock.elapsed());
     for (level, surfels) in levels.iter_mut().zip(surfels) {
         level.set_surfels(surfels);
     }
@@ -179,7 +172,6 @@ struct Scratch {
     parts: Parts,
     view: View,
     sights: Vec<Sight>,
-    seen: Vec<Seen>,
 }
 
 fn measure_level(
@@ -201,23 +193,21 @@ fn measure_level(
                 scratch.triangles.push(facet.corners.map(|p| p * scale - corner));
                 scratch.colors.push(facet.color);
             }
-            let seed = u64::from(level) << 32 | i as u64;
-            let voxel = measure_voxel(scratch, &sampling, scale.recip(), seed);
+            let voxel = measure_voxel(scratch, &sampling);
             report(1);
             Packed::new(&voxel)
         })
         .collect()
 }
 
-/// Measures the voxel of edge `edge` (texel units) whose triangles are in `scratch`, in its frame.
-fn measure_voxel(scratch: &mut Scratch, sampling: &Sampling, edge: f32, seed: u64) -> Voxel {
-    let Scratch { triangles, colors, parts, view, sights, seen } = scratch;
+/// Measures the voxel whose triangles are in `scratch`, in its frame.
+fn measure_voxel(scratch: &mut Scratch, sampling: &Sampling) -> Voxel {
+    let Scratch { triangles, colors, parts, view, sights } = scratch;
     parts.clip(triangles);
     let Some(region) = Region::new(parts) else {
         return Voxel::clear();
     };
     sights.clear();
-    seen.clear();
     let color = colors.first().copied().filter(|first| colors.iter().all(|color| color == first));
     let matter = Matter { region: &region, parts, triangles, colors, color };
     let mut voxel = Voxel {
@@ -227,37 +217,25 @@ fn measure_voxel(scratch: &mut Scratch, sampling: &Sampling, edge: f32, seed: u6
         slab_normal: region.normal,
         slab: region.slab,
         albedo: Vec3::ZERO,
-        kappa: 0.0,
         openness: 1.0,
     };
     if region.is_planar() {
-        // A plane covers the same fraction of its slab from everywhere, and does not shadow itself.
-        let frame = Frame::new(region.normal);
-        sights.extend(view.look(matter, frame, sampling.side, 0, seen));
+        // A plane covers the same fraction of its slab from everywhere.
+        sights.extend(view.look(matter, Frame::new(region.normal), sampling.side));
         if let Some(sight) = sights.first() {
             voxel.sigma = Symmetric3::outer(region.normal) * sight.sigma.powi(2);
         }
     } else {
-        // Of a convex body only what the light reaches is seen.
-        let points = if parts.are_convex(triangles) { 0 } else { sampling.points };
-        let look = |view: &mut View, &frame: &Frame, seen: &mut Vec<Seen>| {
-            view.look(matter, frame, sampling.side, points, seen)
-        };
         // A voxel of many triangles is worth sharing between threads; one of few is not.
         if triangles.len() > 2000 {
-            let apart = sampling.frames.par_iter().map_init(View::default, |view, frame| {
-                let mut seen = Vec::new();
-                (look(view, frame, &mut seen), seen)
-            });
-            for (sight, points) in apart.collect::<Vec<_>>() {
-                sights.extend(sight);
-                seen.extend(points);
-            }
+            let look = |view: &mut View, frame: &Frame| view.look(matter, *frame, sampling.side);
+            let apart = sampling.frames.par_iter().map_init(View::default, look);
+            sights.extend(apart.collect::<Vec<_>>().into_iter().flatten());
         } else {
-            sights.extend(sampling.frames.iter().filter_map(|frame| look(view, frame, seen)));
+            sights
+                .extend(sampling.frames.iter().filter_map(|&frame| view.look(matter, frame, sampling.side)));
         }
         voxel.sigma = fit(sights);
-        voxel.kappa = kappa(&voxel, triangles, seen, edge, seed);
     }
     let weight: f32 = sights.iter().map(|sight| sight.weight).sum();
     let sum: Vec3 = sights.iter().map(|sight| sight.color).sum();

@@ -46,7 +46,9 @@ impl Sightline {
                 let z = FLATTEST + (1.0 - FLATTEST) * (i as f32 + random.unit()) / count as f32;
                 let around = Vec2::from_angle(2.0 * PI * random.unit());
                 let down = (around * (1.0 - z * z).sqrt()).extend(-z);
-                let start = Vec2::new(random.unit(), random.unit());
+                // Plastic-number lattice: evenly spread whatever the count.
+                let spread = |ratio: f64| (0.5 + ratio * i as f64).fract() as f32;
+                let start = Vec2::new(spread(0.754_877_666_246_692_7), spread(0.569_840_290_998_053_2));
                 let (from, to) = if periodic {
                     let from = start.extend(1.0);
                     (from, from + down / z)
@@ -101,7 +103,7 @@ impl Classes {
 /// Multiplies the depths of a level's voxels so that sightlines end where they do in the geometry.
 pub(crate) fn calibrate(level: &mut Level, sightlines: &[Sightline]) {
     // Each refits Σ, which then says not quite what it was asked to: again, for what is left.
-    const ROUNDS: usize = 3;
+    const ROUNDS: usize = 2;
     let classes = Classes::of(level);
     let cells: Vec<[u32; 3]> = level.cells().collect();
     for _ in 0..ROUNDS {

@@ -9,7 +9,6 @@ use glam::Vec3;
 use pelage_geom::Symmetric3;
 
 use crate::grid::{Frame, larger, smaller};
-use crate::own_shadow::Seen;
 use crate::raster::{Hits, Raster};
 use crate::region::{Parts, Region};
 use crate::silhouette::Silhouette;
@@ -82,16 +81,8 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// Looks along a direction with about `side`² rays and keeps up to `points` of what they see; `None` where no ray
-    /// crosses the region.
-    pub(crate) fn look(
-        &mut self,
-        matter: Matter,
-        frame: Frame,
-        side: usize,
-        points: usize,
-        kept: &mut Vec<Seen>,
-    ) -> Option<Sight> {
+    /// Looks along a direction with about `side`² rays; `None` where no ray crosses the region.
+    pub(crate) fn look(&mut self, matter: Matter, frame: Frame, side: usize) -> Option<Sight> {
         let Matter { region, parts, triangles, colors, color } = matter;
         let mean_color = |hits: &Hits| 0.5 * (colors[hits.first.1 as usize] + colors[hits.last.1 as usize]);
         let (count, length, seen, mean, footprint);
@@ -101,20 +92,11 @@ impl View {
             self.silhouette.draw(region, parts, frame, side);
             (count, length) = self.silhouette.grid.lengths(&mut self.lengths);
             seen = self.silhouette.seen_count();
-            let wanted = if color.is_some() { points } else { points.max(COLORS) };
+            let wanted = if color.is_some() { 0 } else { COLORS };
             let [mut sum, mut n] = [Vec3::ZERO, Vec3::ZERO];
-            for (i, (row, column, hits)) in self.silhouette.hits(triangles, wanted as u32).enumerate() {
+            for hits in self.silhouette.hits(triangles, wanted as u32) {
                 sum += mean_color(&hits);
                 n += 1.0;
-                // Evenly `points` of all that are wanted; from one end and the other in turn.
-                if i * points % wanted < points {
-                    kept.push(hits.seen(
-                        &self.silhouette.grid,
-                        row,
-                        column,
-                        (i * points / wanted).is_multiple_of(2),
-                    ));
-                }
             }
             mean = color.unwrap_or(sum / n.max(Vec3::ONE));
             footprint = self.silhouette.grid.footprint();
@@ -124,8 +106,6 @@ impl View {
             let (sum, n) =
                 self.raster.crossing().fold((Vec3::ZERO, 0), |(s, n), hits| (s + mean_color(hits), n + 1));
             (seen, mean) = (n, sum / n.max(1) as f32);
-            let every = (seen as usize / points.max(1)).max(1);
-            kept.extend(self.raster.seen(every).take(points));
             footprint = self.raster.grid.footprint();
         }
         if count == 0.0 {

@@ -29,10 +29,10 @@ struct Sampling {
 impl Sampling {
     fn of(level: usize) -> Self {
         let (points, stride, alike, most) = match level {
-            0 => (16384, 1, 2.0, 1024),
-            1 => (4096, 1, 2.0, 512),
-            2 => (512, 1, 2.0, 128),
-            3 => (96, 1, 2.0, 32),
+            0 => (3072, 1, 2.0, 512),
+            1 => (768, 1, 2.0, 256),
+            2 => (192, 1, 2.0, 96),
+            3 => (64, 1, 2.0, 32),
             4 => (24, 1, 2.0, 16),
             5 => (16, 2, 2.0, 8),
             _ => (8, 2, 0.97, 4),
@@ -111,7 +111,7 @@ fn surfels(
         }
     }
     found.clear();
-    if !(area > 0.0) {
+    if fans.is_empty() || area.is_nan() || area == 0.0 {
         return Vec::new();
     }
     for point in 0..2 * sampling.points {

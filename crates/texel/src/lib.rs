@@ -23,7 +23,6 @@ mod kinds;
 mod line;
 mod octree;
 mod openness;
-mod own_shadow;
 mod packed;
 mod procedure;
 mod random;

@@ -7,8 +7,7 @@
 //!      20  lo, hi    6 × u8    1/255, rounded outwards
 //!      26  albedo    3 × u8    square roots, 1/255
 //!      29  exponent  u8        of sigma, biased as in an f32
-//!      30  kappa     u8        3/255
-//!      31  openness  u8        1/255
+//!      30  openness  u8        1/255
 //! ```
 //!
 //! The region is snapped to what can be stored before opacity is measured in it (see [`Region`]), so rounding
@@ -32,7 +31,6 @@ pub(crate) struct Packed {
     hi: [u8; 3],
     albedo: [u8; 3],
     exponent: u8,
-    kappa: u8,
     openness: u8,
 }
 
@@ -55,7 +53,6 @@ impl Packed {
             hi: bytes(voxel.hi),
             albedo: bytes(voxel.albedo.map(f32::sqrt)),
             exponent,
-            kappa: (85.0 * voxel.kappa).round() as u8,
             openness: (255.0 * voxel.openness).round() as u8,
         }
     }
@@ -72,7 +69,6 @@ impl Packed {
             slab_normal,
             slab,
             albedo: root * root,
-            kappa: f32::from(self.kappa) * (1.0 / 85.0),
             openness: f32::from(self.openness) * (1.0 / 255.0),
         }
     }
@@ -191,7 +187,6 @@ mod tests {
                 slab_normal: snapped_normal(n.normalize()),
                 slab: snapped_slab([-0.3, -0.3 + numbers[0]]),
                 albedo: Vec3::from_array(numbers),
-                kappa: 3.0 * numbers[1],
                 openness: numbers[2],
             };
             prop_assert!((voxel.slab_normal - n.normalize()).length() < 1e-4);
@@ -206,7 +201,7 @@ mod tests {
             prop_assert!((back.slab[0] - voxel.slab[0]).abs() < 1e-6 && (back.slab[1] - voxel.slab[1]).abs() < 1e-6);
             // Half a step of a square root: at most 1/255 of the whole.
             prop_assert!((back.albedo - voxel.albedo).abs().max_element() < 1.0 / 250.0);
-            prop_assert!((back.kappa - voxel.kappa).abs() < 0.006 && (back.openness - voxel.openness).abs() < 0.002);
+            prop_assert!((back.openness - voxel.openness).abs() < 0.002);
             // Packing again changes nothing.
             prop_assert_eq!(Packed::new(&back), Packed::new(&voxel));
         }

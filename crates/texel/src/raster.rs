@@ -7,7 +7,6 @@
 use glam::{Vec2, Vec3};
 
 use crate::grid::{Frame, Grid, ceil, floor, offset};
-use crate::own_shadow::Seen;
 use crate::region::Region;
 
 /// What a ray met first and last: distance along the ray, and the triangle.
@@ -34,14 +33,6 @@ impl Hits {
         if t > self.last.0 {
             self.last = (t, id);
         }
-    }
-
-    /// What is seen from the front (or the back) of a ray of the grid.
-    pub(crate) fn seen(&self, grid: &Grid, row: usize, column: usize, front: bool) -> Seen {
-        let direction = grid.frame.direction;
-        let (t, triangle) = if front { self.first } else { self.last };
-        let viewer = if front { -direction } else { direction };
-        Seen { point: grid.point(row, column, t), triangle, viewer }
     }
 }
 
@@ -73,17 +64,6 @@ impl Raster {
     pub(crate) fn crossing(&self) -> impl Iterator<Item = &Hits> {
         let crosses = self.grid.enter.iter().zip(&self.grid.leave).map(|(enter, leave)| leave > enter);
         self.hits.iter().zip(crosses).filter(|(hits, crosses)| *crosses && hits.any()).map(|(hits, _)| hits)
-    }
-
-    /// What rays of the region see from their two ends: one ray in `every`, from one end and the other in turn.
-    pub(crate) fn seen(&self, every: usize) -> impl Iterator<Item = Seen> + '_ {
-        let columns = self.grid.columns;
-        let hits = self.hits.iter().enumerate().filter(|(_, hits)| hits.any());
-        // From the middle of the first stretch, so that a few rays are not all from one border.
-        hits.skip(every / 2)
-            .step_by(every)
-            .enumerate()
-            .map(move |(i, (ray, hits))| hits.seen(&self.grid, ray / columns, ray % columns, i % 2 == 0))
     }
 
     fn draw_triangle(&mut self, triangle: &[Vec3; 3], id: u32) {

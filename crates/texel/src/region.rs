@@ -125,20 +125,4 @@ impl Parts {
             .fold(Vec3::ZERO, |a, b| if b.length_squared() > a.length_squared() { b } else { a });
         longest.try_normalize().unwrap_or(Vec3::Z)
     }
-
-    /// Whether the parts are faces of one convex body, oriented outwards: each has all others behind it. Only
-    /// asked of a few; `false` for many.
-    pub(crate) fn are_convex(&self, triangles: &[[Vec3; 3]]) -> bool {
-        // Comparing each with each costs less than what it may save, up to here.
-        const FEW: usize = 8;
-        // Rounding of a vertex in the plane of its own face, in voxel edges.
-        const FLAT: f32 = 1e-4;
-        self.ends.len() <= FEW
-            && self.ends.iter().all(|&(id, ..)| {
-                let [a, b, c] = triangles[id as usize];
-                let normal = (b - a).cross(c - a);
-                let height = normal.dot(a) + FLAT * normal.length();
-                self.vertices.iter().all(|&v| normal.dot(v) <= height)
-            })
-    }
 }

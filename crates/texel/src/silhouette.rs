@@ -4,8 +4,7 @@
 //! of thousands of voxels. Pieces are clipped to the voxel beforehand, so covering a ray is being hit by it, and
 //! are convex: a ray is inside where all edge functions are positive, so the least of them over the
 //! edges of a piece, and of that the greatest over the pieces, says for every ray whether it hits. No branch
-//! depends on the content. Which piece is first or last is found for the few rays that colours and own shadows
-//! are measured at.
+//! depends on the content. Which piece is first or last is found for the few rays that colours are measured at.
 
 use glam::{Vec2, Vec3};
 
@@ -102,21 +101,21 @@ impl Silhouette {
         self.covered.count_ones()
     }
 
-    /// Up to `count` of the rays that hit something, spread over them: row and column, and what is hit.
+    /// What up to `count` of the rays that hit something hit, spread over them.
     pub(crate) fn hits<'a>(
         &'a self,
         triangles: &'a [[Vec3; 3]],
         count: u32,
-    ) -> impl Iterator<Item = (usize, usize, Hits)> + 'a {
+    ) -> impl Iterator<Item = Hits> + 'a {
         let every = (self.seen_count() / count.max(1)).max(1);
         // From the middle of the first stretch, so that a few rays are not all from one border.
         let rays =
             set_bits(self.covered).skip(every as usize / 2).step_by(every as usize).take(count as usize);
         rays.map(|ray| {
             let [row, column] = [ray / LANES, ray % LANES];
-            (row, column, self.hits_of(triangles, Vec2::new(column as f32 + offset(row), row as f32 + 0.5)))
+            self.hits_of(triangles, Vec2::new(column as f32 + offset(row), row as f32 + 0.5))
         })
-        .filter(|(_, _, hits)| hits.any())
+        .filter(Hits::any)
     }
 
     /// What the ray at a point of the grid hits.

@@ -5,7 +5,6 @@
 //! | Σ | opacity: a step d inside the region has optical depth sqrt(dᵀΣd) | voxel edge⁻² |
 //! | box, slab | where the matter lies; only there is a voxel traversed | voxel edge |
 //! | albedo | mean colour of what is visible in it | linear, `[0, 1]` |
-//! | κ | how much of its own depth shadows it, apart from any light | none |
 //! | openness | how much of the upper hemisphere it sees | none |
 //!
 //! The region decides the picture more than anything else: a voxel is not a cube of fog.
@@ -29,8 +28,6 @@ pub struct Voxel {
     pub slab: [f32; 2],
     /// Mean linear colour of what is visible.
     pub albedo: Vec3,
-    /// Own-shadow factor, 0 to 3: the voxel's own depth towards a light counts κ times.
-    pub kappa: f32,
     /// Fraction of the cosine-weighted upper hemisphere (around +w) that is not blocked, 0 to 1.
     pub openness: f32,
 }
@@ -49,7 +46,6 @@ impl Voxel {
             slab_normal: Vec3::Z,
             slab: [0.0, 1.0],
             albedo: Vec3::ZERO,
-            kappa: 0.0,
             openness: 1.0,
         }
     }
@@ -82,7 +78,6 @@ impl Voxel {
             ("slab_normal", (self.slab_normal.length() - 1.0).abs() < 1e-3),
             ("slab", self.slab[0] < self.slab[1] && self.slab[1].is_finite() && self.slab[0].is_finite()),
             ("albedo", all(self.albedo)),
-            ("kappa", (0.0..=3.0).contains(&self.kappa)),
             ("openness", unit(self.openness)),
         ];
         checks.into_iter().find(|(_, sound)| !sound).map(|(field, _)| field)

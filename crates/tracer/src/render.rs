@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use crate::cone::composite::{SeenVoxel, View};
+use crate::cone::composite::View;
 use crate::cone::shade::Shader;
 use crate::{Camera, Film, Pixel, Rays, Rect, Scene, Settings};
 

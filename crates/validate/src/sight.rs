@@ -11,7 +11,7 @@ use pelage::tracer::{Coat, Lod, Rays, RenderError, Settings, render};
 pub(crate) struct Sight {
     /// The place, in scene units.
     pub target: Vec3,
-    /// Unit vector out of the surface there.
+    /// Unit vector out of the surface, in the mean over all that is seen of it: the suns stand for the whole view.
     pub normal: Vec3,
     /// Unit vector from the camera to it.
     pub direction: Vec3,
@@ -45,17 +45,23 @@ pub enum SightError {
 /// Columns and rows of the small picture that tells what is in view.
 const GLANCE: u32 = 96;
 
+/// Places that the mean normal is taken over, at most.
+const MOST_PLACES: usize = 256;
+
 impl Sight {
     /// Looks through the camera of `prepared`.
     pub fn of(prepared: &Prepared) -> Result<Self, SightError> {
         let coats = prepared.scene.coats();
-        let boxes = || coats.iter().flat_map(|coat| coat.skin.patches.iter().map(move |patch| (coat, patch)));
-        let mut sides: Vec<f32> = boxes().map(|(coat, patch)| Stand::of(coat, patch).side()).collect();
+        let stands: Vec<(Stand, &Coat, &Patch)> = coats
+            .iter()
+            .flat_map(|coat| coat.skin.patches.iter().map(move |patch| (Stand::of(coat, patch), coat, patch)))
+            .collect();
         let bounds = coats
             .iter()
             .flat_map(|coat| (0..coat.skin.len()).map(|patch| coat.skin.bounds(patch)))
             .reduce(|[lo, hi], [a, b]| [lo.min(a), hi.max(b)])
             .ok_or(SightError::NoCoat)?;
+        let mut sides: Vec<f32> = stands.iter().map(|(stand, ..)| stand.side()).collect();
         let middle = sides.len() / 2;
         let (_, &mut box_width, _) = sides.select_nth_unstable_by(middle, f32::total_cmp);
         let reach = coats
@@ -64,32 +70,32 @@ impl Sight {
             .map(|(base, top)| base.distance(*top))
             .fold(0.0, f32::max);
 
-        for seen in in_view(prepared)? {
-            let distance = |(coat, patch): &(&Coat, &Patch)| Stand::of(coat, patch).middle.distance(seen);
-            let nearest = boxes().map(|b| (distance(&b), b)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((distance, (coat, patch))) = nearest else { break };
-            let stand = Stand::of(coat, patch);
-            // What is farther from the middle of every box stands on no box: the ground, a wall.
-            if distance > stand.radius {
-                continue;
-            }
-            let rule = match prepared.settings.lod {
-                Lod::Footprint(rule) => rule,
-                Lod::Level(_) => Footprint::Auto,
-            };
-            return Ok(Self {
-                target: seen,
-                normal: stand.normal(),
-                direction: (seen - prepared.camera.position).normalize_or(prepared.camera.forward()),
-                box_width,
-                reach,
-                bounds,
-                depth: coat.texel.depth(),
-                jacobian: stand.texel_jacobian(patch),
-                rule,
-            });
-        }
-        Err(SightError::NotSeen)
+        // The box that a place is in. What is farther from the middle of every box is in none: the ground, a wall.
+        let box_at = |place: Vec3| {
+            let away = |(stand, ..): &&(Stand, &Coat, &Patch)| stand.middle.distance(place);
+            let nearest = stands.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.filter(|b| away(b) <= b.0.radius)
+        };
+        let places = in_view(prepared)?;
+        let found = places.iter().find_map(|&place| Some((place, box_at(place)?)));
+        let (target, (stand, coat, patch)) = found.ok_or(SightError::NotSeen)?;
+        let some = places.iter().step_by(places.len().div_ceil(MOST_PLACES));
+        let normal: Vec3 = some.filter_map(|&place| Some(box_at(place)?.0.normal())).sum();
+        let rule = match prepared.settings.lod {
+            Lod::Footprint(rule) => rule,
+            Lod::Level(_) => Footprint::Auto,
+        };
+        Ok(Self {
+            target,
+            normal: normal.normalize_or(stand.normal()),
+            direction: (target - prepared.camera.position).normalize_or(prepared.camera.forward()),
+            box_width,
+            reach,
+            bounds,
+            depth: coat.texel.depth(),
+            jacobian: stand.texel_jacobian(patch),
+            rule,
+        })
     }
 
     /// The continuous level that a pixel as wide as `width` (scene units) at the target reads there, if there were any

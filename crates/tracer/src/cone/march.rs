@@ -99,7 +99,9 @@ impl Walker<'_> {
         let [a, b] = chord.t;
         let l = self.level as u8;
         for Step { cell, voxel, enter, leave } in level.walk(from, to) {
-            let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else { continue };
+            let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else {
+                continue;
+            };
             let through = through(self.opacity, depth);
             let key = VoxelKey { patch: self.patch, level: l, cell: cell.to_array() };
             let t = (a + (b - a) * f64::from(range[0])) as f32;

@@ -8,7 +8,7 @@ use pelage_texel::{Surfel, Voxel};
 
 use super::composite::{SeenSurface, SeenVoxel, mean_visible};
 use super::path::to_box;
-use super::shadow::{Correlation, ShadowBuffers, ShadowCone, decay};
+use super::shadow::{Correlation, ShadowBuffers, ShadowCone};
 use crate::light::Incoming;
 use crate::scene::Coat;
 use crate::{Scene, Settings};
@@ -89,7 +89,7 @@ impl Shader {
                             width: f64::from(jacobian.determinant().abs().cbrt() / scale),
                             spread: f64::from(incoming.spread),
                         },
-                        correlation: correlation(&inverse, view, to_light, 1.0 / scale),
+                        correlation: correlation(&inverse, view, to_light),
                     },
                 );
             }
@@ -247,30 +247,11 @@ impl Facing {
     }
 }
 
-/// How quickly the ways to the eye and to the light part: by A = .02 + .2 h texel units, for a voxel of edge h.
-/// Measured on sheets, leaves, blades and hairs. [docs/notes/fidelity.md]
-fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, edge: f32) -> Correlation {
-    Correlation { q: (*inverse * (to_light - view)).length() / 0.03 }
-}
-
-/// The part of the light that the voxel's own matter lets through to what is seen of it, when the light's depth
-/// is `own[0]` at the point of entry and `own[1]` at the exit of a view ray of depth `seen`: the mean of
-/// e^−(depth to the light) over what the eye sees.
-fn own_shadow(own: [f32; 2], seen: f32) -> f32 {
-    let [a, b] = own;
-    let x = seen + b - a;
-    // e^−a φ(x) = e^−(a + x) φ(−x): whichever does not overflow.
-    let lit = if x < 0.0 { (-seen - b).exp() * decay(-x) } else { (-a).exp() * decay(x) };
-    (lit / decay(seen)).clamp(0.0, 1.0)
-}
-
-/// How far, in units of `step`, from `at` (in the frame of a voxel `[0,1]³`) to the voxel's walls.
-fn way_out(at: Vec3, step: Vec3) -> f32 {
-    let wall = Vec3::select(step.cmpgt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO);
-    let along = (wall - at) / step;
-    let along = Vec3::select(along.is_nan_mask() | step.cmpeq(Vec3::ZERO), Vec3::INFINITY, along);
-    let out = along.min_element().max(0.0);
-    if out.is_finite() { out } else { 0.0 }
+/// How quickly the ways to the eye and to the light part, beyond what the masks hold: strands that stand next to each
+/// other are some .03 texel units apart. Measured on leaves, blades and hairs. [docs/notes/fidelity.md]
+fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3) -> Correlation {
+    const APART: f32 = 0.03;
+    Correlation { q: (*inverse * (to_light - view)).length() / APART }
 }
 
 /// The colour of the surface below a voxel, where the coat wears it.
@@ -315,31 +296,5 @@ mod tests {
             albedo *= 2.0 * std::f64::consts::PI / f64::from(n * m);
             assert!(albedo <= 1.001 && albedo >= least, "exponent {exponent}: albedo {albedo}");
         }
-    }
-
-    #[test]
-    fn own_shadow_is_the_mean_over_what_is_seen() {
-        // Depth τ = 2 along the view; the light's depth grows from 0.3 at entry to 1.5 at exit:
-        // ∫ e^−2x e^−(.3 + 1.2 x) dx / ∫ e^−2x dx, by the midpoint rule.
-        let n = 10_000;
-        let (mut lit, mut seen) = (0.0_f64, 0.0_f64);
-        for i in 0..n {
-            let x = (f64::from(i) + 0.5) / f64::from(n);
-            lit += (-2.0 * x - 0.3 - 1.2 * x).exp();
-            seen += (-2.0 * x).exp();
-        }
-        assert!((f64::from(own_shadow([0.3, 1.5], 2.0)) - lit / seen).abs() < 1e-5);
-        assert_eq!(own_shadow([0.0, 0.0], 3.0), 1.0);
-        // Very deep at the entry, hardly at the exit: ∫ e^−.1x e^−(95 − 94x) dx ≈ e^−1.1 / 93.9, over ∫ e^−.1x dx.
-        let exact = (-1.1_f32).exp() / 93.9 / decay(0.1);
-        assert!((own_shadow([95.0, 1.0], 0.1) / exact - 1.0).abs() < 1e-3);
-        assert!(own_shadow([500.0, 400.0], 0.1).is_finite());
-    }
-
-    #[test]
-    fn the_way_out_of_a_voxel() {
-        assert_eq!(way_out(Vec3::new(0.25, 0.5, 0.5), Vec3::new(1.0, 0.0, 0.0)), 0.75);
-        assert_eq!(way_out(Vec3::splat(0.5), Vec3::new(-2.0, 1.0, 0.0)), 0.25);
-        assert_eq!(way_out(Vec3::splat(0.5), Vec3::ZERO), 0.0);
     }
 }
