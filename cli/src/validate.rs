@@ -22,7 +22,7 @@ use crate::render::{pool, stage, tell_of_input, tell_of_skins};
 use crate::stats::Stats;
 
 const NOTES: &str = "\
-The camera goes along the line from the scene's own camera to the coat that is nearest to the middle of its picture.
+The camera goes along the line from the scene's own camera to a place on a coat near the middle of its picture.
 Each distance is a width of the median box in pixels, or near (a finest voxel is two pixels wide), or a width and h:
 the first place beyond that where two levels are blended half and half. The reference shows the geometry that the
 texels were made from; both show the middle of the picture, at most --size pixels a side.

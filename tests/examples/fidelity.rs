@@ -57,12 +57,17 @@ fn main() {
         let content = content.unwrap_or_else(|| panic!("NAMES: there is no content `{name}`"));
         let start = Instant::now();
         let texel = texel(&content.geometry(), option("DEPTH").unwrap_or(7), true);
-        println!("{name}: built in {:.1} s, {:.1} MB", start.elapsed().as_secs_f32(), texel.memory() as f32 / 1e6);
+        println!(
+            "{name}: built in {:.1} s, {:.1} MB",
+            start.elapsed().as_secs_f32(),
+            texel.memory() as f32 / 1e6
+        );
         for name_of_skin in &skins {
             let skin = if name_of_skin == "flat" { flat() } else { bent() };
             let mut scene = coat(skin, texel.clone());
             for elevation in [25.0, 60.0] {
-                let lightings = if option("SKY") == Some(1) { vec![sky.clone()] } else { suns(elevation).into() };
+                let lightings =
+                    if option("SKY") == Some(1) { vec![sky.clone()] } else { suns(elevation).into() };
                 for width in &widths {
                     let pixels = width.parse().unwrap_or_else(|_| panic!("WIDTHS: `{width}` is no number"));
                     let shot = Shot::new(elevation, pixels, if pixels > 100.0 { 80 } else { 56 });

@@ -89,19 +89,11 @@ const AZIMUTH: f32 = 10.0;
 
 /// Suns with hard shadows and no sky: from the side, 13° from an eye at `elevation` degrees, and from behind.
 pub fn suns(elevation: f32) -> [Lighting; 3] {
-    [
-        towards(AZIMUTH + 90.0, 40.0),
-        towards(AZIMUTH + 7.0, elevation + 11.0),
-        towards(AZIMUTH + 185.0, 35.0),
-    ]
-    .map(|sun| Lighting {
-        lights: vec![Light::Directional {
-            direction: -sun,
-            illuminance: Vec3::splat(3.0),
-            angle: 0.0,
-        }],
-        environment: Environment::BLACK,
-    })
+    [towards(AZIMUTH + 90.0, 40.0), towards(AZIMUTH + 7.0, elevation + 11.0), towards(AZIMUTH + 185.0, 35.0)]
+        .map(|sun| Lighting {
+            lights: vec![Light::Directional { direction: -sun, illuminance: Vec3::splat(3.0), angle: 0.0 }],
+            environment: Environment::BLACK,
+        })
 }
 
 /// A camera, and the part of its picture that shows the middle of the skin.

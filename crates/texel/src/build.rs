@@ -32,22 +32,25 @@ pub struct BuildOptions {
     /// Side of the square ray grids at levels 3 to 5 (from 6 directions at level 5, 16 below); four times that at
     /// level 2 and eight times below, where there are few voxels.
     pub coarse_rays: u32,
+    /// Points of the surface that are looked around from in the one voxel of level 0, on each side; a quarter of that
+    /// in each of the next level's, and so on, down to a few.
+    pub points: u32,
 }
 
 impl BuildOptions {
     /// Depth 5 (32³): to look at content while it is being made.
     pub fn preview() -> Self {
-        Self { depth: 5, periodic: true, fine_rays: 6, coarse_rays: 8 }
+        Self { depth: 5, periodic: true, fine_rays: 6, coarse_rays: 8, points: 256 }
     }
 
     /// Depth 7 (128³).
     pub fn standard() -> Self {
-        Self { depth: 7, periodic: true, fine_rays: 6, coarse_rays: 8 }
+        Self { depth: 7, periodic: true, fine_rays: 6, coarse_rays: 8, points: 3072 }
     }
 
     /// Depth 8 (256³), many rays.
     pub fn fine() -> Self {
-        Self { depth: 8, periodic: true, fine_rays: 10, coarse_rays: 16 }
+        Self { depth: 8, periodic: true, fine_rays: 10, coarse_rays: 16, points: 12288 }
     }
 
     /// Checks the numbers.
@@ -63,6 +66,10 @@ impl BuildOptions {
             if !(4..=256).contains(&value) {
                 return Err(BuildError::Parameter { field, value: value.into(), domain: "4 to 256" });
             }
+        }
+        if !(16..=1 << 20).contains(&self.points) {
+            let value = self.points.into();
+            return Err(BuildError::Parameter { field: "points", value, domain: "16 to 1048576" });
         }
         Ok(())
     }
@@ -153,7 +160,7 @@ fn build_source(
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
-    let surfels = exposure::measure(&facets, &lists, &levels);
+    let surfels = exposure::measure(&facets, &lists, &levels, options.points);
     for (level, surfels) in levels.iter_mut().zip(surfels) {
         level.set_surfels(surfels);
     }

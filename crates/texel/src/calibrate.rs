@@ -41,9 +41,10 @@ impl Sightline {
             .into_par_iter()
             .map(|i| {
                 let random = &mut Random::new(i as u64, 0x51a7);
-                // Flatter than this a sightline would cross dozens of tiles.
+                // Flatter than this (radians) a sightline would cross dozens of tiles.
                 const FLATTEST: f32 = 0.06;
-                let z = FLATTEST + (1.0 - FLATTEST) * (i as f32 + random.unit()) / count as f32;
+                let slope = FLATTEST + (0.5 * PI - FLATTEST) * (i as f32 + random.unit()) / count as f32;
+                let z = slope.sin();
                 let around = Vec2::from_angle(2.0 * PI * random.unit());
                 let down = (around * (1.0 - z * z).sqrt()).extend(-z);
                 // Plastic-number lattice: evenly spread whatever the count.
@@ -66,7 +67,7 @@ impl Sightline {
 /// Classes of heights at most.
 const HEIGHTS: usize = 8;
 
-/// Slopes (|z| of the direction) and heights are sorted into classes.
+/// Slopes (angles to the surface) and heights are sorted into classes.
 #[derive(Clone, Copy)]
 struct Classes {
     slopes: usize,
@@ -87,13 +88,18 @@ impl Classes {
         (z.max(0) as usize * self.heights / self.resolution as usize).min(self.heights - 1)
     }
 
+    /// The slope of a direction of this z, in classes.
+    fn angle(self, z: f32) -> f32 {
+        z.abs().min(1.0).asin() / (0.5 * PI) * self.slopes as f32
+    }
+
     fn slope(self, z: f32) -> usize {
-        ((z.abs() * self.slopes as f32) as usize).min(self.slopes - 1)
+        (self.angle(z) as usize).min(self.slopes - 1)
     }
 
     /// The factor for a slope, between those of the two nearest classes.
     fn factor(self, factors: &[f32], height: usize, z: f32) -> f32 {
-        let at = (z.abs() * self.slopes as f32 - 0.5).clamp(0.0, (self.slopes - 1) as f32);
+        let at = (self.angle(z) - 0.5).clamp(0.0, (self.slopes - 1) as f32);
         let low = (at as usize).min(self.slopes - 2);
         let row = &factors[height * self.slopes..];
         row[low] + (at - low as f32) * (row[low + 1] - row[low])

@@ -20,29 +20,26 @@ struct Sampling {
     points: usize,
     /// Cells of the mask along one ray's side: 1 asks each, 2 one of four.
     stride: usize,
-    /// Of normals whose cosine is above this, one is kept.
+    /// Of normals whose cosine is above this, one is kept; above 1, all.
     alike: f32,
     /// Surfels kept at most.
     most: usize,
 }
 
 impl Sampling {
-    fn of(level: usize) -> Self {
-        let (points, stride, alike, most) = match level {
-            0 => (3072, 1, 2.0, 512),
-            1 => (768, 1, 2.0, 256),
-            2 => (192, 1, 2.0, 96),
-            3 => (64, 1, 2.0, 32),
-            4 => (24, 1, 2.0, 16),
-            5 => (16, 2, 2.0, 8),
-            _ => (8, 2, 0.97, 4),
-        };
-        Self { points, stride, alike, most }
+    /// Of a level, where `points` are tried in level 0.
+    fn of(level: usize, points: u32) -> Self {
+        let points = points as usize >> (2 * level).min(31);
+        match level {
+            0..5 => Self { points: points.max(24), stride: 1, alike: 2.0, most: (points / 2).clamp(16, 512) },
+            5 => Self { points: points.max(16), stride: 2, alike: 2.0, most: 8 },
+            _ => Self { points: 8, stride: 2, alike: 0.97, most: 4 },
+        }
     }
 }
 
 /// The surfels of every level.
-pub(crate) fn measure(facets: &[Facet], lists: &[Cells], levels: &[Level]) -> Vec<Surfels> {
+pub(crate) fn measure(facets: &[Facet], lists: &[Cells], levels: &[Level], points: u32) -> Vec<Surfels> {
     let finest = levels.len().saturating_sub(1);
     (0..levels.len())
         .map(|l| {
@@ -55,7 +52,7 @@ pub(crate) fn measure(facets: &[Facet], lists: &[Cells], levels: &[Level]) -> Ve
                 let random = Random::new((l as u64) << 32 | i as u64, 0x50f3);
                 let voxel =
                     Matter { facets: cells.facets(i).collect(), corner: cells.cell(i).as_vec3(), edge };
-                surfels(&scene, &voxel, Sampling::of(l), scratch, random)
+                surfels(&scene, &voxel, Sampling::of(l, points), scratch, random)
             });
             Surfels::new(each.collect())
         })

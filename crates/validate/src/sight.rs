@@ -6,7 +6,7 @@ use pelage::geom::{Footprint, texel_footprint};
 use pelage::skin::Patch;
 use pelage::tracer::{Coat, Lod, Rays, RenderError, Settings, render};
 
-/// The place on a coat that a scene's camera has nearest to the middle of its picture.
+/// A place on a coat near the middle of what a scene's camera sees, turned like most of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sight {
     /// The place, in scene units.
@@ -45,7 +45,7 @@ pub enum SightError {
 /// Columns and rows of the small picture that tells what is in view.
 const GLANCE: u32 = 96;
 
-/// Places that the mean normal is taken over, at most.
+/// Places that the target is chosen from, and the mean normal taken over, at most.
 const MOST_PLACES: usize = 256;
 
 impl Sight {
@@ -76,18 +76,25 @@ impl Sight {
             let nearest = stands.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
             nearest.filter(|b| away(b) <= b.0.radius)
         };
+        // Some of the places, in the order of their distance from the middle of the picture.
         let places = in_view(prepared)?;
-        let found = places.iter().find_map(|&place| Some((place, box_at(place)?)));
-        let (target, (stand, coat, patch)) = found.ok_or(SightError::NotSeen)?;
-        let some = places.iter().step_by(places.len().div_ceil(MOST_PLACES));
-        let normal: Vec3 = some.filter_map(|&place| Some(box_at(place)?.0.normal())).sum();
+        let seen: Vec<(Vec3, &(Stand, &Coat, &Patch))> = places
+            .iter()
+            .step_by(places.len().div_ceil(MOST_PLACES).max(1))
+            .filter_map(|&place| Some((place, box_at(place)?)))
+            .collect();
+        let normal = seen.iter().map(|(_, (stand, ..))| stand.normal()).sum::<Vec3>().normalize_or_zero();
+        // Near the middle, and turned like the whole: one order counts as much as the other.
+        let unlike = |k: usize| k as f32 / seen.len() as f32 - seen[k].1.0.normal().dot(normal);
+        let best = (0..seen.len()).min_by(|&a, &b| unlike(a).total_cmp(&unlike(b)));
+        let &(target, (stand, coat, patch)) = best.and_then(|k| seen.get(k)).ok_or(SightError::NotSeen)?;
         let rule = match prepared.settings.lod {
             Lod::Footprint(rule) => rule,
             Lod::Level(_) => Footprint::Auto,
         };
         Ok(Self {
             target,
-            normal: normal.normalize_or(stand.normal()),
+            normal: normal.try_normalize().unwrap_or_else(|| stand.normal()),
             direction: (target - prepared.camera.position).normalize_or(prepared.camera.forward()),
             box_width,
             reach,

@@ -122,8 +122,8 @@ pub struct Found {
 pub struct Cell {
     /// Which light.
     pub light: &'static str,
-    /// (Mean radiance − the reference's) / the reference's, or for light from behind / the reference's under the light
-    /// from the side; `None` where that is black.
+    /// (Mean radiance − the reference's) / the reference's, or for light from behind / the larger of that and the
+    /// reference's under the light from the side; `None` where that is black.
     pub energy_error: Option<f64>,
     /// Root mean square error, the noise of the reference subtracted.
     pub rmse: f64,
@@ -268,7 +268,7 @@ fn judge(
     let mut cells = Vec::new();
     for (i, (cone, reference)) in cones.into_iter().zip(references).enumerate() {
         let situation = &rendering.situations[i];
-        let judge = energies[situation.judged_by.unwrap_or(i)];
+        let judge = situation.judged_by.map_or(energies[i], |other| energies[i].max(energies[other]));
         let energy_error = (judge > 0.0).then(|| (mean_radiance(&cone) - energies[i]) / judge);
         let map = flip(&cone, &reference.mean, display, plan.ppd)?;
         let error = reference.square_error(&cone);

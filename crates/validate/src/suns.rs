@@ -25,7 +25,7 @@ pub enum Lights {
 pub(crate) struct Situation {
     pub name: &'static str,
     pub lighting: Lighting,
-    /// Whose energy the error is measured in: the place of another situation, or its own.
+    /// The place of another situation, whose energy the error is measured in if its own is smaller.
     pub judged_by: Option<usize>,
 }
 
