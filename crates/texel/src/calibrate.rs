@@ -142,15 +142,19 @@ fn paths(level: &Level, sightlines: &[Sightline], classes: Classes) -> Vec<Path>
         let (from, to) = (line.from * scale, line.to * scale);
         let d = to - from;
         let mut depths = [0.0; HEIGHTS];
+        let mut stopped = None;
         for step in level.walk(from, to) {
             let voxel = level.voxel(step.voxel);
-            if let Some([enter, leave]) = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave])
-            {
-                depths[classes.height(step.cell.z)] += voxel.depth_per_step(d) * (leave - enter);
+            let clipped = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave]);
+            let Some([enter, leave]) = clipped else { continue };
+            let depth = voxel.depth_per_step(d) * (leave - enter);
+            let height = classes.height(step.cell.z);
+            depths[height] += depth;
+            // The voxel that holds the hit, or the first behind it where rounding put the hit between two.
+            if stopped.is_none() && depth > 0.0 && line.hit <= leave + 1e-5 {
+                stopped = Some(height);
             }
         }
-        let end = from + line.hit * d;
-        let stopped = line.hit.is_finite().then(|| classes.height(end.z.floor() as i32));
         Path { slope: classes.slope(d.z / d.length()), depths, stopped }
     };
     sightlines.par_iter().map(path).collect()

@@ -281,7 +281,7 @@ impl<'a> Surroundings<'a> {
 /// What lies nearer than this part of the reach is the seam to a neighbour.
 const NEAREST: f32 = 1e-4;
 
-/// Where a ray meets a triangle between two parameters. [Moller97]
+/// Where a ray meets a triangle between two parameters. [Möller97]
 fn hit(&[a, b, c]: &[Vec3; 3], from: Vec3, d: Vec3, near: f32, far: f32) -> Option<f32> {
     let [ab, ac] = [b - a, c - a];
     let p = d.cross(ac);

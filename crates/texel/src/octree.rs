@@ -46,8 +46,7 @@ impl Level {
         self.voxels[index as usize].unpack()
     }
 
-    /// Points of the surface in the voxel of that index. None where all of it is one open sheet, which the voxel's own
-    /// normal describes.
+    /// Points of the surface in the voxel of that index; none where nothing of it can be seen.
     #[inline]
     pub fn surfels(&self, index: u32) -> &[Surfel] {
         self.surfels.of(index)

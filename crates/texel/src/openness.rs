@@ -8,7 +8,7 @@ use core::f32::consts::PI;
 use glam::{IVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use crate::{Level, Texel};
+use crate::{Level, Surfel, Texel};
 
 /// How many directions stand for the hemisphere.
 const DIRECTIONS: usize = 6;
@@ -29,7 +29,8 @@ pub(crate) fn fill(texel: &mut Texel) {
         let scale = 1.0 / level.resolution() as f32;
         let open = cells.par_iter().map(|cell| {
             let middle = (Vec3::from_array(cell.map(|c| c as f32)) + 0.5) * scale;
-            directions.iter().map(|&d| unblocked(through, middle, d)).sum::<f32>() / DIRECTIONS as f32
+            directions.iter().map(|&d| unblocked(through, middle, d, Surfel::reach(scale))).sum::<f32>()
+                / DIRECTIONS as f32
         });
         open.collect::<Vec<f32>>()
     });
@@ -58,21 +59,24 @@ fn directions() -> [Vec3; DIRECTIONS] {
     })
 }
 
-/// Transmittance from a point (texel coordinates) out of the texel's top, its own voxel left out.
-fn unblocked(level: &Level, from: Vec3, direction: Vec3) -> f32 {
+/// Transmittance from a point (texel coordinates) out of the texel's top, without what is nearer than `near`: that is in
+/// the masks of the surfels.
+fn unblocked(level: &Level, from: Vec3, direction: Vec3, near: f32) -> f32 {
     // Deeper than this less than 1 % passes.
     const OPAQUE: f32 = 4.6;
     let scale = level.resolution() as f32;
     let from = from * scale;
-    let own: IVec3 = from.floor().as_ivec3();
     let d = direction * ((scale - from.z) / direction.z);
+    let near = near * scale / d.length();
     let mut depth = 0.0;
     for step in level.walk(from, from + d) {
-        if step.cell == own {
+        if step.leave < near {
             continue;
         }
         let voxel = level.voxel(step.voxel);
-        if let Some([enter, leave]) = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave]) {
+        if let Some([enter, leave]) =
+            voxel.clip(from - step.cell.as_vec3(), d, [step.enter.max(near), step.leave])
+        {
             depth += voxel.depth_per_step(d) * (leave - enter);
             if depth > OPAQUE {
                 return 0.0;

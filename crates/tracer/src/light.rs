@@ -162,6 +162,11 @@ impl Environment {
     pub fn mean_radiance(&self, normal: Vec3) -> Vec3 {
         self.ground.lerp(self.sky, 0.5 + normal.y / 3.0)
     }
+
+    /// The sum of the radiance over directions that weigh `open` in all, and whose weighted sum is `direction`.
+    pub(crate) fn gathered(&self, open: f32, direction: Vec3) -> Vec3 {
+        0.5 * (open * (self.sky + self.ground) + direction.y * (self.sky - self.ground))
+    }
 }
 
 #[cfg(test)]

@@ -83,7 +83,8 @@ pub struct Settings {
     pub min_transmittance: f32,
     /// Normals taken of each visible voxel's ellipsoid.
     pub normals: u32,
-    /// At most this many voxels of a pixel are lit on their own, the heaviest; the rest take their mean.
+    /// At most this many voxels of a pixel are lit: the heavy ones, and of the others, in order of distance, those that
+    /// stand for equal parts of what is seen.
     pub lit_voxels: u32,
     /// Whether voxels and surfaces are shadowed.
     pub shadows: bool,

@@ -123,9 +123,9 @@ impl Station {
             .collect()
     }
 
-    /// Whether another station shows the same, to a hundredth of a pixel's width.
+    /// Whether another station shows nearly the same: pixels as wide, to a tenth.
     pub fn is_like(&self, other: &Self) -> bool {
-        (self.pixel / other.pixel - 1.0).abs() < 0.01
+        (self.pixel / other.pixel - 1.0).abs() < 0.1
     }
 
     /// The frames of a slow zoom, a quarter of a level in all. Its middle is this station, or the nearest border between

@@ -50,11 +50,20 @@ impl Shader {
         if self.visible.is_empty() {
             facing.collect_ellipsoid(&voxel, settings.normals, &mut self.visible);
         }
-        let open = if settings.shadows { voxel.openness } else { 1.0 };
         let whole: f32 = self.visible.iter().map(|v| v.weight).sum();
-        let mut radiance: Vec3 =
-            self.visible.iter().map(|v| v.weight * v.color * scene.environment.mean_radiance(v.normal)).sum();
-        radiance *= open / whole;
+        // Of the sky, the masks say what is near, and the voxel's openness what is beyond.
+        let sky = |v: &Visible| match v.surfel {
+            Some(i) if settings.shadows => {
+                let (open, direction) = surfels[i as usize].sky();
+                let turned = (jacobian * direction).normalize_or_zero() * direction.length();
+                voxel.openness * scene.environment.gathered(open, turned)
+            }
+            _ => {
+                scene.environment.mean_radiance(v.normal)
+                    * if settings.shadows { voxel.openness } else { 1.0 }
+            }
+        };
+        let mut radiance = self.visible.iter().map(|v| v.weight * v.color * sky(v)).sum::<Vec3>() / whole;
         for light in &scene.lights {
             let Some(incoming) = light.incoming(point.as_vec3()) else { continue };
             let to_light = incoming.direction;
