@@ -67,13 +67,13 @@ impl Surfel {
         f32::from(self.weight) * (1.0 / 255.0)
     }
 
-    /// What of the sky nothing near blocks: the part of the cosine-weighted hemisphere that is open and above the
-    /// surface that the texel stands on, and the sum of its directions (texel space), weighted alike.
-    pub fn sky(&self) -> (f32, Vec3) {
+    /// What nothing near blocks of its cosine-weighted hemisphere, above and below the surface that the texel stands on:
+    /// the part of the hemisphere, and the sum of its directions (texel space), weighted alike.
+    pub fn sky(&self) -> [(f32, Vec3); 2] {
         const STEP: f32 = 2.0 / Surfel::SIDE as f32;
         let normal = self.normal();
         let [x, y] = axes(normal);
-        let (mut open, mut sum) = (0.0, Vec3::ZERO);
+        let mut halves = [(0.0, Vec3::ZERO); 2];
         let mut whole = 0.0;
         for cell in 0..Self::SIDE * Self::SIDE {
             let [a, b] = [cell % Self::SIDE, cell / Self::SIDE].map(|i| STEP * (i as f32 + 0.5) - 1.0);
@@ -82,13 +82,14 @@ impl Surfel {
                 continue;
             }
             whole += 1.0;
-            let d = a * x + b * y + rest.sqrt() * normal;
-            if self.open >> cell & 1 != 0 && d.z > 0.0 {
-                open += 1.0;
-                sum += d;
+            if self.open >> cell & 1 != 0 {
+                let d = a * x + b * y + rest.sqrt() * normal;
+                let (open, sum) = &mut halves[usize::from(d.z < 0.0)];
+                *open += 1.0;
+                *sum += d;
             }
         }
-        (open / whole, sum / whole)
+        halves.map(|(open, sum)| (open / whole, sum / whole))
     }
 
     /// Whether nothing near blocks it towards the unit vector `d` of texel space; `false` for those behind it.
@@ -196,11 +197,16 @@ mod tests {
     fn the_open_sky_of_a_wall_is_half() {
         // An open floor sees all of its hemisphere, whose cosine-weighted mean direction is ⅔ of its normal; a wall the
         // upper half: ½, and of its directions' heights the mean over the half is ∫ cos²θ sin θ … = 4/(3π) · ½ = .212.
-        let (open, sum) = Surfel::new(Vec3::Z, Vec3::ONE, 1.0, u64::MAX).sky();
-        assert!((open - 1.0).abs() < 1e-6 && (sum - Vec3::Z * 2.0 / 3.0).length() < 0.02, "{open} {sum}");
-        let (open, sum) = Surfel::new(Vec3::X, Vec3::ONE, 1.0, u64::MAX).sky();
-        assert!((open - 0.5).abs() < 0.02 && (sum.z - 0.212).abs() < 0.02, "{open} {sum}");
-        assert_eq!(Surfel::new(Vec3::X, Vec3::ONE, 1.0, 0).sky().0, 0.0);
+        let [(open, sum), (below, _)] = Surfel::new(Vec3::Z, Vec3::ONE, 1.0, u64::MAX).sky();
+        assert!(
+            (open - 1.0).abs() < 1e-6 && (sum - Vec3::Z * 2.0 / 3.0).length() < 0.02 && below == 0.0,
+            "{open} {sum}"
+        );
+        let halves = Surfel::new(Vec3::X, Vec3::ONE, 1.0, u64::MAX).sky();
+        for ((open, sum), side) in halves.into_iter().zip([1.0, -1.0]) {
+            assert!((open - 0.5).abs() < 0.02 && (side * sum.z - 0.212).abs() < 0.02, "{open} {sum}");
+        }
+        assert_eq!(Surfel::new(Vec3::X, Vec3::ONE, 1.0, 0).sky()[0].0, 0.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The light that a seen voxel or surface sends to the eye. [seed §5.2, §6.1c, method §7]
 
-use glam::{Mat3, Vec2, Vec3};
-use pelage_geom::{Cone, Material, material::exponent_of_roughness};
+use glam::{DVec3, Mat3, Vec2, Vec3};
+use pelage_geom::{Cone, Material, Ray, material::exponent_of_roughness};
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use pelage_texel::{Surfel, Voxel};
@@ -51,12 +51,28 @@ impl Shader {
             facing.collect_ellipsoid(&voxel, settings.normals, &mut self.visible);
         }
         let whole: f32 = self.visible.iter().map(|v| v.weight).sum();
-        // Of the sky, the masks say what is near, and the voxel's openness what is beyond.
+        // Of the sky, the masks say what is near, the voxel's openness what is above beyond that, and a cone what is
+        // below: as a rule, the surface that the coat stands on.
+        let lit_from_below =
+            settings.shadows && scene.environment.ground != Vec3::ZERO && !surfels.is_empty();
+        let below = if lit_from_below {
+            // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
+            let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
+            let down = (facing.normalize_or_zero() - jacobian.z_axis.normalize_or_zero()).normalize_or_zero();
+            self.from_below(scene, settings, point, down, jacobian.determinant().abs().cbrt() / scale)
+        } else {
+            0.0
+        };
         let sky = |v: &Visible| match v.surfel {
             Some(i) if settings.shadows => {
-                let (open, direction) = surfels[i as usize].sky();
-                let turned = (jacobian * direction).normalize_or_zero() * direction.length();
-                voxel.openness * scene.environment.gathered(open, turned)
+                let beyond = [voxel.openness, below];
+                let halves = surfels[i as usize].sky().into_iter().zip(beyond);
+                halves
+                    .map(|((open, sum), beyond)| {
+                        let turned = (jacobian * sum).normalize_or_zero() * sum.length();
+                        beyond * scene.environment.gathered(open, turned)
+                    })
+                    .sum()
             }
             _ => {
                 scene.environment.mean_radiance(v.normal)
@@ -105,6 +121,27 @@ impl Shader {
             radiance += arriving * incoming.irradiance * reflected;
         }
         radiance
+    }
+
+    /// What of the light from below reaches a point of a coat past what is near: nothing, where a surface lies under it.
+    fn from_below(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        origin: DVec3,
+        down: Vec3,
+        width: f32,
+    ) -> f32 {
+        let direction = down.as_dvec3();
+        let reach = f64::from(2.0 * scene.reach);
+        if direction == DVec3::ZERO || scene.surfaces.blocked(&Ray { origin, direction }, reach) {
+            return 0.0;
+        }
+        let cone = Cone { width: f64::from(width), spread: f64::from(SKY_SPREAD) };
+        let start = f64::from(2.0 * width);
+        let shadow =
+            ShadowCone { origin, direction, start, end: reach, cone, correlation: Correlation::NONE };
+        self.shadows.through_coats(scene, settings, &shadow)
     }
 
     /// The radiance of an opaque surface towards the eye.
