@@ -59,7 +59,7 @@ impl Shader {
             // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
             let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
             let down = (facing.normalize_or_zero() - jacobian.z_axis.normalize_or_zero()).normalize_or_zero();
-            self.from_below(scene, settings, point, down, jacobian.determinant().abs().cbrt() / scale)
+            self.light_below(scene, settings, point, down, jacobian.determinant().abs().cbrt() / scale)
         } else {
             0.0
         };
@@ -124,7 +124,7 @@ impl Shader {
     }
 
     /// What of the light from below reaches a point of a coat past what is near: nothing, where a surface lies under it.
-    fn from_below(
+    fn light_below(
         &mut self,
         scene: &Scene,
         settings: &Settings,
