@@ -16,7 +16,8 @@ use crate::{Skin, SkinError, SkinOptions};
 
 /// Covers the faces of `base` for which `selected` holds with boxes that reach to the same faces of `top`.
 ///
-/// All else is as for [`extrude`](crate::extrude): a quad gets one box or two prisms, decided by the base; where
+/// All else is as for [`extrude`](crate::extrude): a quad gets one box or two prisms, decided by the base, except that
+/// a base with a concave corner is no reason to cut a box that is valid as it is; where
 /// every face of n corners becomes n quads, they divide the boxes that were given; folded boxes are treated as
 /// `options` say, and mending draws their tops towards the base. Materials and texture coordinates are the base's.
 /// The height that [`SkinOptions::aspect`] refers to is [`mean_height`]; [`SkinOptions::height`] is not read.

@@ -6,10 +6,11 @@
 //! which leaves its outer walls as they were: its neighbours notice nothing.
 
 use glam::{DVec2, DVec3, Vec2};
-use pelage_geom::Face;
+use pelage_geom::{Face, certify};
 use rayon::prelude::*;
 
 use crate::charts::{Charts, mean_density};
+use crate::patch::hexahedron;
 use crate::polygon::{Polygon, Surface};
 use crate::quad;
 use crate::{Lattice, Layout, Patch, Report, SkinOptions};
@@ -191,7 +192,10 @@ fn dress_one(
     let points = polygon.points(&surface.positions);
     let corners = plan.corners(polygon);
     let [a, b, d, c] = corners;
-    let split = if quad::is_concave(points) {
+    let triangle = polygon.vertices[3] == Face::NONE;
+    let split = if triangle {
+        None
+    } else if quad::is_concave(points) && !is_box(polygon, surface, options) {
         Some(Split::Concave)
     } else if options.split_nonplanar.is_some_and(|limit| quad::nonplanarity(points) > f64::from(limit)) {
         Some(Split::Nonplanar)
@@ -200,7 +204,7 @@ fn dress_one(
     } else {
         None
     };
-    let [first, second] = if polygon.vertices[3] == Face::NONE {
+    let [first, second] = if triangle {
         [Some(prism(polygon, [0, 1, 2], points, corners, plan)), None]
     } else if split.is_none() {
         [Some(cuboid(polygon, points, corners, plan)), None]
@@ -209,6 +213,16 @@ fn dress_one(
         [Some(Dressed { split, ..first }), Some(second)]
     };
     first.into_iter().chain(second)
+}
+
+/// Whether a quad whose top is given is a box all the same: one that leans enough may be valid over a base that has a
+/// concave corner.
+fn is_box(polygon: &Polygon, surface: &Surface, options: &SkinOptions) -> bool {
+    let [p0, p1, p2, p3] = polygon.vertices;
+    let vertices = [p0, p1, p3, p2];
+    surface.tops.as_ref().is_some_and(|tops| {
+        certify(&hexahedron(&vertices, &surface.positions, tops), options.certificate_depth).is_valid()
+    })
 }
 
 /// One box on a quad whose `corners` (around it) are affine.

@@ -221,7 +221,8 @@ proptest! {
     /// Where the coordinates are continuous, so is the lattice, whatever is split.
     #[test]
     fn lattices_are_continuous(
-        jitter in prop::collection::vec((-0.08f32..0.08, -0.08f32..0.08), 25),
+        // No triangle loses its area: its height over the diagonal is 0.177, and corners come nearer by less than 0.17.
+        jitter in prop::collection::vec((-0.06f32..0.06, -0.06f32..0.06), 25),
         tiling in 0.3f32..20.0,
         far in -50f32..50.0,
     ) {

@@ -11,7 +11,7 @@ use super::path::to_box;
 use super::shadow::{Correlation, ShadowBuffers, ShadowCone};
 use crate::light::Incoming;
 use crate::scene::Coat;
-use crate::{Scene, Settings};
+use crate::{Environment, Scene, Settings};
 
 /// Lights what a pixel sees; holds the buffers of the shadow cones.
 #[derive(Default)]
@@ -54,7 +54,7 @@ impl Shader {
         // Of the sky, the masks say what is near, the voxel's openness what is above beyond that, and a cone what is
         // below: as a rule, the surface that the coat stands on.
         let lit_from_below =
-            settings.shadows && scene.environment.ground != Vec3::ZERO && !surfels.is_empty();
+            settings.shadows && scene.environment != Environment::BLACK && !surfels.is_empty();
         let below = if lit_from_below {
             // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
             let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
@@ -79,7 +79,10 @@ impl Shader {
                     * if settings.shadows { voxel.openness } else { 1.0 }
             }
         };
-        let mut radiance = self.visible.iter().map(|v| v.weight * v.color * sky(v)).sum::<Vec3>() / whole;
+        let mut radiance = Vec3::ZERO;
+        if scene.environment != Environment::BLACK {
+            radiance = self.visible.iter().map(|v| v.weight * v.color * sky(v)).sum::<Vec3>() / whole;
+        }
         for light in &scene.lights {
             let Some(incoming) = light.incoming(point.as_vec3()) else { continue };
             let to_light = incoming.direction;
