@@ -9,13 +9,17 @@ use rayon::prelude::*;
 use crate::bricks::Bricks;
 use crate::calibrate::{Sightline, calibrate};
 use crate::coverage::{ICOSAHEDRON, Matter, SIXTEEN, Sight, View, fit};
-use crate::exposure::{self, Surroundings};
+use crate::density::table::Table;
+use crate::density::{measure, scatter};
+use crate::exposure;
 use crate::grid::Frame;
 use crate::openness;
 use crate::packed::Packed;
 use crate::region::{Parts, Region};
+use crate::surroundings::Surroundings;
 use crate::voxelise::{Cells, Facet, tile};
-use crate::{BuildError, Level, Source, Texel, Voxel};
+use crate::source::Content;
+use crate::{BuildError, Density, Geometry, Level, Scatterers, Source, Surfel, Texel, Voxel};
 
 /// How many sightlines each level is held against.
 const SIGHTLINES: usize = 1 << 15;
@@ -32,25 +36,25 @@ pub struct BuildOptions {
     /// Side of the square ray grids at levels 3 to 5 (from 6 directions at level 5, 16 below); four times that at
     /// level 2 and eight times below, where there are few voxels.
     pub coarse_rays: u32,
-    /// Points of the surface that are looked around from in the one voxel of level 0, on each side; a quarter of that
-    /// in each of the next level's, and so on, down to a few.
+    /// Points of the surface that are looked around from in each voxel of level 4, on each side; the levels above
+    /// choose among them.
     pub points: u32,
 }
 
 impl BuildOptions {
     /// Depth 5 (32³): to look at content while it is being made.
     pub fn preview() -> Self {
-        Self { depth: 5, periodic: true, fine_rays: 6, coarse_rays: 8, points: 256 }
+        Self { depth: 5, periodic: true, fine_rays: 6, coarse_rays: 8, points: 12 }
     }
 
     /// Depth 7 (128³).
     pub fn standard() -> Self {
-        Self { depth: 7, periodic: true, fine_rays: 6, coarse_rays: 8, points: 3072 }
+        Self { depth: 7, periodic: true, fine_rays: 6, coarse_rays: 8, points: 24 }
     }
 
     /// Depth 8 (256³), many rays.
     pub fn fine() -> Self {
-        Self { depth: 8, periodic: true, fine_rays: 10, coarse_rays: 16, points: 12288 }
+        Self { depth: 8, periodic: true, fine_rays: 10, coarse_rays: 16, points: 48 }
     }
 
     /// Checks the numbers.
@@ -67,9 +71,9 @@ impl BuildOptions {
                 return Err(BuildError::Parameter { field, value: value.into(), domain: "4 to 256" });
             }
         }
-        if !(16..=1 << 20).contains(&self.points) {
+        if !(4..=4096).contains(&self.points) {
             let value = self.points.into();
-            return Err(BuildError::Parameter { field: "points", value, domain: "16 to 1048576" });
+            return Err(BuildError::Parameter { field: "points", value, domain: "4 to 4096" });
         }
         Ok(())
     }
@@ -101,7 +105,8 @@ struct Sampling {
     side: usize,
 }
 
-/// Builds a texel from triangles or from a kind that grows them, and keeps its source. `progress` is told the fraction done, 0 to 1, from any thread.
+/// Builds a texel from triangles, or from a kind that grows them or is a density, and keeps its source.
+/// `progress` is told the fraction done, 0 to 1, from any thread.
 ///
 /// Geometry without area in the texel gives an empty texel, in which every walk meets nothing. The result has
 /// the same bits for any number of threads.
@@ -109,6 +114,19 @@ struct Sampling {
 /// # Errors
 /// Numbers out of their domain, with their field or triangle; geometry beyond 32-bit indices.
 pub fn build(
+    name: &str,
+    source: impl Into<Source>,
+    options: &BuildOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Texel, BuildError> {
+    build_exact(name, source, options, progress).map(Texel::compacted)
+}
+
+/// The same, with every level as it was measured: three times as large, to compare with.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_exact(
     name: &str,
     source: impl Into<Source>,
     options: &BuildOptions,
@@ -124,8 +142,45 @@ fn build_source(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Texel, BuildError> {
     options.validate()?;
-    let geometry = source.sound_geometry()?;
+    let content = source.sound_content()?;
+    let material = content.material();
     progress(0.0);
+    let texel = match content {
+        Content::Triangles(geometry) => {
+            let levels = levels_of_triangles(&geometry, options, progress)?;
+            let mut texel = Texel::new(name, source, material, options.periodic, levels);
+            openness::fill(&mut texel, 5, |l| Surfel::reach(0.5_f32.powi(l as i32)));
+            texel
+        }
+        Content::Density(density) => {
+            let levels = levels_of_density(&density, options, progress);
+            let mut texel = Texel::new(name, source, material, options.periodic, levels);
+            openness::fill(&mut texel, Scatterers::MAPPED + 1, Scatterers::reach);
+            texel
+        }
+    };
+    progress(1.0);
+    Ok(texel)
+}
+
+/// Tells `progress` each hundredth of `total` cells.
+fn in_percent(total: usize, progress: &(dyn Fn(f32) + Sync)) -> impl Fn(usize) + Sync {
+    let done = AtomicUsize::new(0);
+    let total = total.max(1);
+    move |cells| {
+        let before = done.fetch_add(cells, Ordering::Relaxed);
+        let percent = |cells: usize| 100 * cells / total;
+        if percent(before + cells) > percent(before) {
+            progress((before + cells) as f32 / total as f32);
+        }
+    }
+}
+
+fn levels_of_triangles(
+    geometry: &Geometry,
+    options: &BuildOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Vec<Level>, BuildError> {
     let facets = tile(&geometry.triangles, &geometry.colors, options.periodic);
     if u32::try_from(facets.len()).is_err() {
         return Err(BuildError::TooMany { what: "triangles", count: facets.len() });
@@ -139,15 +194,8 @@ fn build_source(
         lists.push(lists[above].parents());
     }
     lists.reverse();
-    let total = lists.iter().map(|cells| cells.codes().len()).sum::<usize>().max(1);
-    let done = AtomicUsize::new(0);
-    let report = |cells: usize| {
-        let before = done.fetch_add(cells, Ordering::Relaxed);
-        let percent = |cells: usize| 100 * cells / total;
-        if percent(before + cells) > percent(before) {
-            progress((before + cells) as f32 / total as f32);
-        }
-    };
+    let total = lists.iter().map(|cells| cells.codes().len()).sum::<usize>();
+    let report = in_percent(total, progress);
     let levels = (0..).zip(&lists).map(|(level, cells)| {
         let voxels = measure_level(&facets, cells, level, options, &report);
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
@@ -156,19 +204,42 @@ fn build_source(
     let finest = levels.len() - 1;
     let grid = finest.min(6);
     let scene = Surroundings::new(&facets, &lists[grid], &levels[grid]);
-    let sightlines = Sightline::cast(&scene, SIGHTLINES, options.periodic);
+    let first_hit = |_, from, to| scene.first_hit(from, to);
+    let sightlines = Sightline::cast(SIGHTLINES, options.periodic, first_hit);
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
-    let surfels = exposure::measure(&facets, &lists, &levels, options.points);
-    for (level, surfels) in levels.iter_mut().zip(surfels) {
-        level.set_surfels(surfels);
+    let shown = exposure::measure(&facets, &lists, &levels, options.points);
+    for (level, shown) in levels.iter_mut().zip(shown) {
+        level.set_shown(shown);
     }
-    let mut texel =
-        Texel::new(name, source, [geometry.specular, geometry.roughness], options.periodic, levels);
-    openness::fill(&mut texel);
-    progress(1.0);
-    Ok(texel)
+    Ok(levels)
+}
+
+fn levels_of_density(
+    density: &Density,
+    options: &BuildOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Vec<Level> {
+    let table = Table::new(density, options.periodic);
+    let lists = measure::cells(&table, options.depth);
+    let report = in_percent(lists.iter().map(Vec::len).sum(), progress);
+    // How far light goes: of as many sightlines, depths as even as their places.
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let first_hit = |i: usize, from, to| {
+        let free = -(1.0 - (0.5 + GOLDEN * i as f64).fract()).ln();
+        table.first_hit(from, to, free as f32)
+    };
+    let sightlines = Sightline::cast(SIGHTLINES, options.periodic, first_hit);
+    let levels = (0..).zip(&lists).map(|(l, codes)| {
+        let Sampling { frames, side } = options.sampling(l);
+        let voxels = measure::level(&table, codes, l, &frames, side, &report);
+        let mut level = Level::new(Bricks::new(1 << l, codes), voxels, options.periodic);
+        calibrate(&mut level, &sightlines);
+        level.set_cloud(scatter::level(&table, codes, l));
+        level
+    });
+    levels.collect()
 }
 
 /// What measuring a voxel needs and the next voxel reuses.
@@ -224,11 +295,10 @@ fn measure_voxel(scratch: &mut Scratch, sampling: &Sampling) -> Voxel {
         slab_normal: region.normal,
         slab: region.slab,
         albedo: Vec3::ZERO,
-        openness: 1.0,
     };
     if region.is_planar() {
         // A plane covers the same fraction of its slab from everywhere.
-        sights.extend(view.look(matter, Frame::new(region.normal), sampling.side));
+        sights.extend(view.look_face_on(matter, sampling.side));
         if let Some(sight) = sights.first() {
             voxel.sigma = Symmetric3::outer(region.normal) * sight.sigma.powi(2);
         }

@@ -1,69 +1,183 @@
 //! What each voxel shows of its surface: its surfels, measured in the geometry.
 //!
-//! Points are spread evenly over both sides of the triangles in a voxel. From each, rays through the mask's cells ask
-//! whether a triangle lies within [`Surfel::reach`]; what is seen from nowhere (the inside of a tube) is dropped.
-//! Beyond that distance the shadow cone sees what the voxels hold.
+//! Points are spread evenly over both sides of the triangles in the voxels of one level. From each, rays through the
+//! mask's cells ask how far it is to the next triangle: which cells are open at one level's [`Surfel::reach`] and
+//! which at another's then follows, so that a voxel of any coarser level chooses among the points of its descendants. What is
+//! seen from nowhere (the inside of a tube) is dropped. Beyond its reach the shadow cone sees what the voxels hold.
+//!
+//! The rays cost nearly all of the time: hence few from sides of triangles that look dark, and, in fine voxels, from one
+//! point for all that face alike.
 
-use glam::{IVec3, Vec3};
+use std::ops::{Range, RangeInclusive};
+
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::Level;
+use crate::lobe::{self, Lobes};
 use crate::random::Random;
 use crate::region::Parts;
 use crate::surfel::{Surfel, Surfels, direction};
+use crate::surroundings::Surroundings;
 use crate::voxelise::{Cells, Facet};
 
-/// A level's points: how many a voxel, how they are looked around from, and how many are kept.
+/// The levels up to this one take their points from it, with a ray for each cell of the mask; the finer ones from the
+/// finest of all, with a ray for each four.
+const COARSE: usize = 4;
+
+/// How the voxels of one level are looked around from.
 #[derive(Clone, Copy)]
 struct Sampling {
     /// Points tried on each side.
     points: usize,
     /// Cells of the mask along one ray's side: 1 asks each, 2 one of four.
     stride: usize,
-    /// Of normals whose cosine is above this, one is kept; above 1, all.
+    /// Of normals whose cosine is above this, one is looked around from; above 1, all.
     alike: f32,
-    /// Surfels kept at most.
-    most: usize,
+    /// Edges of the voxels of the first and the last level that the points are for, in texel units.
+    edges: [f32; 2],
+}
+
+/// What the voxels of a level show.
+pub(crate) enum Shown {
+    /// To any direction.
+    Surfels(Surfels),
+    /// To each of several directions.
+    Lobes(Lobes),
+}
+
+/// What the voxels of every level show. `points` are tried in each voxel of level 4 on each side.
+pub(crate) fn measure(facets: &[Facet], lists: &[Cells], levels: &[Level], points: u32) -> Vec<Shown> {
+    let finest = levels.len().saturating_sub(1);
+    let edge = |level: usize| 1.0 / (1 << level) as f32;
+    // Cells an eighth of a voxel wide or more, but no more of them than pays.
+    let grid = finest.min(6);
+    let scene = Surroundings::new(facets, &lists[grid], &levels[grid]);
+    let dark = dark_sides(facets, &scene, Surfel::reach(edge(finest)));
+    let content = Content { facets, scene: &scene, dark: &dark };
+    let coarse = COARSE.min(finest);
+    let sampling =
+        Sampling { points: points as usize, stride: 1, alike: 2.0, edges: [edge(0), edge(coarse)] };
+    let mut all = choose(lists, 0..=coarse, &content.points(&lists[coarse], &sampling), &sampling);
+    if finest > coarse {
+        let sampling =
+            Sampling { points: 8, stride: 2, alike: 0.97, edges: [edge(coarse + 1), edge(finest)] };
+        let points = content.points(&lists[finest], &sampling);
+        all.extend(choose(lists, coarse + 1..=finest, &points, &sampling));
+    }
+    all
+}
+
+/// Lobes for one direction at most in a voxel of a level; `None` where it has surfels.
+fn most_lobes(level: usize) -> Option<usize> {
+    [24, 16, 8].get(level).copied()
+}
+
+/// Surfels in a voxel of a level at most.
+fn most_surfels(level: usize) -> usize {
+    match level {
+        0..=3 => 64,
+        4 => 16,
+        5 => 8,
+        _ => 4,
+    }
+}
+
+/// What the voxels of `levels` show, chosen among the points of the voxels of the last of them.
+fn choose(
+    lists: &[Cells],
+    levels: RangeInclusive<usize>,
+    points: &[Vec<Point>],
+    sampling: &Sampling,
+) -> Vec<Shown> {
+    let last = *levels.end();
+    let choose_level = |level: usize| {
+        let reach = Surfel::reach(1.0 / (1 << level) as f32);
+        let ranges = lists[level].descendants(&lists[last], 3 * (last - level) as u32);
+        let found = |range: Range<usize>| {
+            points[range].iter().flatten().filter_map(|p| p.seen(reach, sampling)).collect::<Vec<_>>()
+        };
+        if let Some(most) = most_lobes(level) {
+            let each = ranges.into_par_iter().map(|range| {
+                let points: Vec<lobe::Point> = found(range).iter().map(Found::point).collect();
+                Lobes::of_voxel(&points, most)
+            });
+            return Shown::Lobes(Lobes::new(&each.collect::<Vec<_>>()));
+        }
+        let each = ranges.into_par_iter().enumerate().map(|(i, range)| {
+            let mut found = found(range);
+            let random = &mut Random::new((level as u64) << 32 | i as u64, 0x50f3);
+            thin_out(&mut found, most_surfels(level), random);
+            let largest = found.iter().fold(f32::MIN_POSITIVE, |largest, found| found.weight.max(largest));
+            found.iter().map(|f| Surfel::new(f.normal, f.color, f.weight / largest, f.open)).collect()
+        });
+        Shown::Surfels(Surfels::new(each.collect()))
+    };
+    levels.map(choose_level).collect()
+}
+
+/// A point that is seen from somewhere.
+#[derive(Clone, Debug)]
+struct Point {
+    normal: Vec3,
+    color: Vec3,
+    /// The surface that it stands for: an area in texel units.
+    weight: f32,
+    /// How far it is to the next triangle through each cell that was asked, row after row, as a part of the longest reach.
+    distances: [u8; 64],
+}
+
+/// A point as a level sees it.
+#[derive(Clone, Copy)]
+struct Found {
+    normal: Vec3,
+    color: Vec3,
+    open: u64,
+    weight: f32,
+}
+
+impl Found {
+    fn point(&self) -> lobe::Point {
+        lobe::Point { surfel: Surfel::new(self.normal, self.color, 1.0, self.open), weight: self.weight }
+    }
+}
+
+impl Point {
+    /// With the mask for `reach`; `None` if nothing is open.
+    fn seen(&self, reach: f32, sampling: &Sampling) -> Option<Found> {
+        let Sampling { stride, .. } = *sampling;
+        let threshold = sampling.code(reach);
+        let mut open = 0_u64;
+        let side = Surfel::SIDE / stride;
+        let block = if stride == 2 { 0x0303_u64 } else { 1 };
+        for cell in 0..side * side {
+            if self.distances[cell] >= threshold {
+                open |= block << (stride * (cell % side) + Surfel::SIDE * stride * (cell / side));
+            }
+        }
+        (open != 0).then_some(Found { normal: self.normal, color: self.color, open, weight: self.weight })
+    }
 }
 
 impl Sampling {
-    /// Of a level, where `points` are tried in level 0.
-    fn of(level: usize, points: u32) -> Self {
-        let points = points as usize >> (2 * level).min(31);
-        match level {
-            0..5 => Self { points: points.max(24), stride: 1, alike: 2.0, most: (points / 2).clamp(16, 512) },
-            5 => Self { points: points.max(16), stride: 2, alike: 2.0, most: 8 },
-            _ => Self { points: 8, stride: 2, alike: 0.97, most: 4 },
+    /// A distance as a byte: 0 below the shortest reach, 255 from the longest on; logarithmic between.
+    fn code(&self, distance: f32) -> u8 {
+        let [far, near] = self.edges.map(Surfel::reach);
+        if distance >= far {
+            255
+        } else if distance < near {
+            0
+        } else {
+            1 + (253.0 * (distance / near).log2() / (far / near).log2()) as u8
         }
     }
 }
 
-/// The surfels of every level.
-pub(crate) fn measure(facets: &[Facet], lists: &[Cells], levels: &[Level], points: u32) -> Vec<Surfels> {
-    let finest = levels.len().saturating_sub(1);
-    (0..levels.len())
-        .map(|l| {
-            // Cells an eighth of a voxel wide, but neither more nor fewer than pays.
-            let grid = (l + 3).clamp(5, 6).min(finest);
-            let scene = Surroundings::new(facets, &lists[grid], &levels[grid]);
-            let edge = 1.0 / (1 << l) as f32;
-            let cells = &lists[l];
-            let each = (0..cells.codes().len()).into_par_iter().map_init(Default::default, |scratch, i| {
-                let random = Random::new((l as u64) << 32 | i as u64, 0x50f3);
-                let voxel =
-                    Matter { facets: cells.facets(i).collect(), corner: cells.cell(i).as_vec3(), edge };
-                surfels(&scene, &voxel, Sampling::of(l, points), scratch, random)
-            });
-            Surfels::new(each.collect())
-        })
-        .collect()
-}
-
-/// A voxel's facets, its lower corner in voxel edges, and its edge in texel units.
-struct Matter {
-    facets: Vec<usize>,
-    corner: Vec3,
-    edge: f32,
+/// What points are spread over.
+struct Content<'a> {
+    facets: &'a [Facet],
+    scene: &'a Surroundings<'a>,
+    dark: &'a [[bool; 2]],
 }
 
 #[derive(Default)]
@@ -72,105 +186,182 @@ struct Scratch {
     parts: Parts,
     /// Fans of the parts: triangle, corners and area, summed up so far.
     fans: Vec<(u32, [Vec3; 3], f32)>,
-    found: Vec<Found>,
+    tried: Vec<Tried>,
 }
 
-/// A point that is seen from somewhere.
+/// A point that may be seen.
 #[derive(Clone, Copy)]
-struct Found {
+struct Tried {
+    facet: usize,
+    /// Texel coordinates.
+    at: Vec3,
     normal: Vec3,
     color: Vec3,
-    open: u64,
-    /// In equal parts of the surface.
     weight: f32,
 }
 
-fn surfels(
-    scene: &Surroundings,
-    voxel: &Matter,
-    sampling: Sampling,
-    scratch: &mut Scratch,
-    mut random: Random,
-) -> Vec<Surfel> {
-    let Scratch { triangles, parts, fans, found } = scratch;
-    triangles.clear();
-    triangles.extend(
-        voxel.facets.iter().map(|&id| scene.facets[id].corners.map(|p| p / voxel.edge - voxel.corner)),
-    );
-    parts.clip(triangles);
-    fans.clear();
-    let mut area = 0.0;
-    for (id, _, vertices) in parts.pieces() {
-        for pair in vertices.get(1..).unwrap_or(&[]).windows(2) {
-            let corners = [vertices[0], pair[0], pair[1]];
-            area += (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
-            fans.push((id, corners, area));
+impl Content<'_> {
+    /// The points of each of `cells`.
+    fn points(&self, cells: &Cells, sampling: &Sampling) -> Vec<Vec<Point>> {
+        let edge = sampling.edges[1];
+        (0..cells.codes().len())
+            .into_par_iter()
+            .map_init(Scratch::default, |scratch, i| {
+                let random = &mut Random::new(u64::from(cells.codes()[i]), edge.to_bits().into());
+                let facets: Vec<usize> = cells.facets(i).collect();
+                self.try_points(&facets, cells.cell(i).as_vec3(), sampling, scratch, random);
+                if sampling.alike < 1.0 {
+                    self.look_alike(&mut scratch.tried, sampling, random)
+                } else {
+                    let one = |t: &Tried| self.look(t, sampling, random);
+                    scratch.tried.iter().filter_map(one).collect()
+                }
+            })
+            .collect()
+    }
+
+    /// Spreads points over what `facets` have in the cell whose lower `corner` is given in edges.
+    fn try_points(
+        &self,
+        facets: &[usize],
+        corner: Vec3,
+        sampling: &Sampling,
+        scratch: &mut Scratch,
+        random: &mut Random,
+    ) {
+        let Scratch { triangles, parts, fans, tried } = scratch;
+        let edge = sampling.edges[1];
+        triangles.clear();
+        triangles.extend(facets.iter().map(|&id| self.facets[id].corners.map(|p| p / edge - corner)));
+        parts.clip(triangles);
+        fans.clear();
+        let mut area = 0.0;
+        for (id, _, vertices) in parts.pieces() {
+            for pair in vertices.get(1..).unwrap_or(&[]).windows(2) {
+                let corners = [vertices[0], pair[0], pair[1]];
+                area += (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+                fans.push((id, corners, area));
+            }
+        }
+        tried.clear();
+        if fans.is_empty() || area.is_nan() || area == 0.0 {
+            return;
+        }
+        let weight = 0.5 * area * edge * edge / sampling.points as f32;
+        for point in 0..2 * sampling.points {
+            let wanted = area * ((point / 2) as f32 + random.unit()) / sampling.points as f32;
+            let fan = fans.partition_point(|fan| fan.2 <= wanted).min(fans.len() - 1);
+            let (id, corners, _) = fans[fan];
+            let at = (point_of(corners, random) + corner) * edge;
+            let facet = facets[id as usize];
+            // Both sides in turn; of those that look dark, one point in four counts for four.
+            let side = point % 2;
+            let dark = self.dark[facet][side];
+            if dark && random.unit() >= 0.25 {
+                continue;
+            }
+            let Some(normal) = normal_of(triangles[id as usize], side) else { continue };
+            let weight = if dark { 4.0 * weight } else { weight };
+            let normal = crate::packed::snapped_normal(normal);
+            tried.push(Tried { facet, at, normal, color: self.facets[facet].color, weight });
         }
     }
-    found.clear();
-    if fans.is_empty() || area.is_nan() || area == 0.0 {
-        return Vec::new();
-    }
-    for point in 0..2 * sampling.points {
-        let wanted = area * ((point / 2) as f32 + random.unit()) / sampling.points as f32;
-        let fan = fans.partition_point(|fan| fan.2 <= wanted).min(fans.len() - 1);
-        let (id, [a, b, c], _) = fans[fan];
-        let root = random.unit().sqrt();
-        let at = a + (1.0 - root) * (b - a) + root * random.unit() * (c - a);
-        let facet = voxel.facets[id as usize];
-        let [p, q, r] = triangles[id as usize];
-        // Both sides in turn.
-        let turn = if point % 2 == 0 { 1.0 } else { -1.0 };
-        let Some(normal) = (turn * (q - p).cross(r - p)).try_normalize() else { continue };
-        let normal = crate::packed::snapped_normal(normal);
-        let at = (at + voxel.corner) * voxel.edge;
-        let reach = Surfel::reach(voxel.edge);
-        // Of those that look hidden, one in four is looked at closely, and counts for four.
-        let hidden = (0..4).all(|_| {
-            scene.is_blocked(facet, at, direction(normal, [random.signed(), random.signed()]), reach)
-        });
-        if hidden && random.unit() >= 0.25 {
-            continue;
+
+    /// Looks around from a point; `None` if it sees nothing.
+    fn look(&self, point: &Tried, sampling: &Sampling, random: &mut Random) -> Option<Point> {
+        const SOME: usize = 6;
+        let Sampling { stride, edges, .. } = *sampling;
+        let [far, near] = edges.map(Surfel::reach);
+        let side = Surfel::SIDE / stride;
+        let mut weight = point.weight;
+        let mut distances = [0; 64];
+        let mut is_seen = false;
+        for i in 0..side * side {
+            // All over the disk first. Of points that look hidden after some rays, one in four is looked at closely,
+            // and counts for four.
+            if i == SOME && !is_seen {
+                if random.unit() >= 0.25 {
+                    return None;
+                }
+                weight *= 4.0;
+            }
+            let cell = 29 * i % (side * side);
+            let mut within = |i: usize| 0.25 * stride as f32 * (i as f32 + random.unit()) - 1.0;
+            let [x, y] = [within(cell % side), within(cell / side)];
+            let d = direction(point.normal, [x, y]);
+            distances[cell] = sampling.code(self.scene.distance(point.facet, point.at, d, near, far));
+            is_seen |= distances[cell] > 0;
         }
-        let open = scene.mask(facet, at, normal, reach, sampling.stride, &mut random);
-        if open != 0 {
-            found.push(Found {
-                normal,
-                color: scene.facets[facet].color,
-                open,
-                weight: if hidden { 4.0 } else { 1.0 },
-            });
+        is_seen.then_some(Point { normal: point.normal, color: point.color, weight, distances })
+    }
+
+    /// Of points that face alike, one stands for all that are seen: the first that is when they are looked at in the
+    /// order in which they come, for as many in proportion as it took.
+    fn look_alike(&self, tried: &mut [Tried], sampling: &Sampling, random: &mut Random) -> Vec<Point> {
+        /// Points looked at before all are taken for hidden.
+        const TRIES: usize = 3;
+        let mut points = Vec::new();
+        let mut rest = tried;
+        while let Some(&Tried { normal, .. }) = rest.first() {
+            // Those alike to the front, in their order; the rest may change its.
+            let mut end = 1;
+            for i in 1..rest.len() {
+                if rest[i].normal.dot(normal) > sampling.alike {
+                    rest.swap(end, i);
+                    end += 1;
+                }
+            }
+            let (group, others) = rest.split_at_mut(end);
+            let weight: f32 = group.iter().map(|t| t.weight).sum();
+            let color = group.iter().map(|t| t.weight * t.color).sum::<Vec3>() / weight;
+            let mut looked_at = 0.0;
+            for t in group.iter().take(TRIES) {
+                looked_at += t.weight;
+                if let Some(point) = self.look(t, sampling, random) {
+                    points.push(Point { weight: weight * t.weight / looked_at, color, ..point });
+                    break;
+                }
+            }
+            rest = others;
         }
+        points
     }
-    if sampling.alike < 1.0 {
-        merge(found, sampling.alike, &mut random);
-    }
-    thin_out(found, sampling.most, &mut random);
-    let largest = found.iter().fold(f32::MIN_POSITIVE, |largest, found| found.weight.max(largest));
-    found.iter().map(|f| Surfel::new(f.normal, f.color, f.weight / largest, f.open)).collect()
 }
 
-/// Of points whose normals' cosine is above `alike`, one stands for all: any of them, by its part.
-fn merge(found: &mut Vec<Found>, alike: f32, random: &mut Random) {
-    let mut kept = 0;
-    for i in 0..found.len() {
-        let next = found[i];
-        match found[..kept].iter_mut().find(|f| f.normal.dot(next.normal) > alike) {
-            Some(f) => {
-                let weight = f.weight + next.weight;
-                let color = f.color.lerp(next.color, next.weight / weight);
-                if random.unit() * weight < next.weight {
-                    *f = next;
-                }
-                (f.weight, f.color) = (weight, color);
-            }
-            None => {
-                found[kept] = next;
-                kept += 1;
-            }
-        }
-    }
-    found.truncate(kept);
+/// Which sides of the facets, front and back, nothing is seen of within `reach` (texel units): the insides of tubes, as
+/// far as a few rays tell.
+fn dark_sides(facets: &[Facet], scene: &Surroundings, reach: f32) -> Vec<[bool; 2]> {
+    const POINTS: usize = 6;
+    const RAYS: usize = 4;
+    let is_dark = |facet: usize, side: usize, random: &mut Random| {
+        let Some(normal) = normal_of(facets[facet].corners, side) else { return true };
+        (0..POINTS).all(|_| {
+            let at = point_of(facets[facet].corners, random);
+            (0..RAYS).all(|_| {
+                let d = direction(normal, [random.signed(), random.signed()]);
+                scene.distance(facet, at, d, reach, reach).is_finite()
+            })
+        })
+    };
+    (0..facets.len())
+        .into_par_iter()
+        .map(|facet| {
+            let random = &mut Random::new(facet as u64, 0xda4c);
+            [0, 1].map(|side| is_dark(facet, side, random))
+        })
+        .collect()
+}
+
+/// A point of a triangle, all alike.
+fn point_of([a, b, c]: [Vec3; 3], random: &mut Random) -> Vec3 {
+    let root = random.unit().sqrt();
+    a + (1.0 - root) * (b - a) + root * random.unit() * (c - a)
+}
+
+/// The unit normal of a triangle's front (0) or back (1).
+fn normal_of([a, b, c]: [Vec3; 3], side: usize) -> Option<Vec3> {
+    let turn = if side == 0 { 1.0 } else { -1.0 };
+    (turn * (b - a).cross(c - a)).try_normalize()
 }
 
 /// Keeps at most `most`, those seen from more directions rather, each weighted for those it stands for.
@@ -180,6 +371,11 @@ fn thin_out(found: &mut Vec<Found>, most: usize, random: &mut Random) {
     if found.len() <= most {
         return;
     }
+    // Even steps through those in order leave every kind of them its share.
+    found.sort_by_cached_key(|f| {
+        let [x, y] = crate::packed::octahedral(f.normal).map(|c| ((i32::from(c) + 32768) >> 12) as u32);
+        (x, if x.is_multiple_of(2) { y } else { 15 - y }, f.open.count_ones())
+    });
     let step = found.iter().map(importance).sum::<f32>() / most as f32;
     let mut next = step * random.unit();
     let mut sum = 0.0;
@@ -199,99 +395,4 @@ fn thin_out(found: &mut Vec<Found>, most: usize, random: &mut Random) {
         }
     }
     found.truncate(kept);
-}
-
-/// The geometry around, to be asked by rays.
-pub(crate) struct Surroundings<'a> {
-    facets: &'a [Facet],
-    cells: &'a Cells,
-    /// Of the same resolution, for its walk.
-    level: &'a Level,
-}
-
-impl<'a> Surroundings<'a> {
-    /// The facets listed in the cells of one level, and that level.
-    pub(crate) fn new(facets: &'a [Facet], cells: &'a Cells, level: &'a Level) -> Self {
-        Self { facets, cells, level }
-    }
-
-    /// Where a segment (texel units) first meets a facet, as a part of it; infinite if it meets none.
-    pub(crate) fn first_hit(&self, from: Vec3, to: Vec3) -> f32 {
-        let size = self.level.resolution() as i32;
-        let mut first = f32::INFINITY;
-        for step in self.level.walk(from * size as f32, to * size as f32) {
-            if first <= step.enter {
-                break;
-            }
-            let copy: IVec3 = step.cell.div_euclid(IVec3::splat(size));
-            let origin = from - copy.as_vec3();
-            for id in self.cells.facets(step.voxel as usize) {
-                if let Some(t) = hit(&self.facets[id].corners, origin, to - from, 0.0, first) {
-                    first = t;
-                }
-            }
-        }
-        first
-    }
-
-    /// In which cells of the mask nothing is within `reach` (texel units) of a point of a facet.
-    fn mask(
-        &self,
-        own: usize,
-        at: Vec3,
-        normal: Vec3,
-        reach: f32,
-        stride: usize,
-        random: &mut Random,
-    ) -> u64 {
-        let mut mask = 0;
-        for row in (0..Surfel::SIDE).step_by(stride) {
-            for column in (0..Surfel::SIDE).step_by(stride) {
-                let cells = (row..row + stride).flat_map(|r| (column..column + stride).map(move |c| (c, r)));
-                let bits = cells.fold(0_u64, |m, (c, r)| m | 1 << (8 * r + c));
-                let mut within = |i: usize| 0.25 * (i as f32 + stride as f32 * random.unit()) - 1.0;
-                let d = direction(normal, [within(column), within(row)]);
-                if !self.is_blocked(own, at, d, reach) {
-                    mask |= bits;
-                }
-            }
-        }
-        mask
-    }
-
-    fn is_blocked(&self, own: usize, at: Vec3, d: Vec3, reach: f32) -> bool {
-        let size = self.level.resolution() as i32;
-        let scale = size as f32;
-        for step in self.level.walk(at * scale, (at + reach * d) * scale) {
-            // Of periodic content, the cell's copy inside the tile holds the list.
-            let copy: IVec3 = step.cell.div_euclid(IVec3::splat(size));
-            let from = at - copy.as_vec3();
-            let mut facets = self.cells.facets(step.voxel as usize);
-            if facets.any(|id| {
-                (id != own || copy != IVec3::ZERO)
-                    && hit(&self.facets[id].corners, from, d, NEAREST * reach, reach).is_some()
-            }) {
-                return true;
-            }
-        }
-        false
-    }
-}
-
-/// What lies nearer than this part of the reach is the seam to a neighbour.
-const NEAREST: f32 = 1e-4;
-
-/// Where a ray meets a triangle between two parameters. [Möller97]
-fn hit(&[a, b, c]: &[Vec3; 3], from: Vec3, d: Vec3, near: f32, far: f32) -> Option<f32> {
-    let [ab, ac] = [b - a, c - a];
-    let p = d.cross(ac);
-    let det = ab.dot(p);
-    let s = (from - a) * det.signum();
-    let (det, u) = (det.abs(), s.dot(p));
-    if u < 0.0 || u > det {
-        return None;
-    }
-    let q = s.cross(ab);
-    let (v, t) = (d.dot(q), ac.dot(q));
-    (v >= 0.0 && u + v <= det && t > near * det && t < far * det).then(|| t / det)
 }

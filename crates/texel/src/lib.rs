@@ -15,32 +15,47 @@
 mod bricks;
 mod build;
 mod calibrate;
+mod compact;
 mod coverage;
+mod density;
 mod error;
 mod exposure;
+#[cfg(feature = "file")]
+pub mod file;
+mod flat;
 mod grid;
 mod kinds;
 mod line;
+mod lobe;
 mod octree;
+mod opacity;
 mod openness;
 mod packed;
+mod palette;
 mod procedure;
 mod random;
 mod raster;
 mod region;
+mod scatterer;
 mod silhouette;
 mod source;
 mod surfel;
+mod surroundings;
 mod traverse;
 mod voxel;
 mod voxelise;
 
-pub use build::{BuildOptions, build};
+pub use build::{BuildOptions, build, build_exact};
+pub use density::Density;
 pub use error::{BuildError, TexelError};
-pub use kinds::{Fur, Grass, Kind, Leaves, Preset, Sheet, Spheres};
+pub use kinds::{
+    Domain, Foliage, Fur, Grass, Hypertexture, Kind, Leaves, Moss, Needles, Parameter, Pile, Preset, Sheet, Spheres, Value,
+};
 pub use line::{Crossing, Line};
+pub use lobe::Lobe;
 pub use octree::{Level, Texel};
 pub use procedure::{Geometry, Procedure};
+pub use scatterer::{Scatterer, Scatterers};
 pub use source::Source;
 pub use surfel::Surfel;
 pub use traverse::{Step, Walk};

@@ -1,25 +1,69 @@
 //! The frozen texel: every level of the octree, coarsest first, each one flat allocation a kind (see
 //! [`bricks`](crate::bricks) and [`packed`](crate::packed) for the bytes).
 
+use std::ops::Range;
+
 use glam::{IVec3, Vec3};
 
 use crate::bricks::Bricks;
+use crate::compact::Compact;
+use crate::exposure::Shown;
+use crate::lobe::{Lobe, Lobes};
 use crate::packed::Packed;
+use crate::scatterer::{Cloud, Scatterers};
 use crate::surfel::Surfels;
-use crate::{Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
+use crate::{BuildError, Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
 
 /// One level: `2^l` voxels a side, of which only the occupied ones are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     bricks: Bricks,
-    voxels: Vec<Packed>,
-    surfels: Surfels,
+    content: Content,
+    /// What the voxels show to each direction, where they are coarse.
+    lobes: Lobes,
+    /// Points of a density.
+    cloud: Cloud,
+    /// How much of the upper hemisphere each voxel sees, 1/255; nothing where an ancestor says it.
+    openness: Vec<u8>,
     periodic: bool,
+}
+
+/// What stands in the cells.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Content {
+    /// As it was measured.
+    Exact(Vec<Packed>, Surfels),
+    /// In little room.
+    Compact(Compact),
 }
 
 impl Level {
     pub(crate) fn new(bricks: Bricks, voxels: Vec<Packed>, periodic: bool) -> Self {
-        Self { bricks, voxels, surfels: Surfels::default(), periodic }
+        Self::of_parts(bricks, Content::Exact(voxels, Surfels::default()), Vec::new(), periodic)
+    }
+
+    pub(crate) fn of_parts(bricks: Bricks, content: Content, openness: Vec<u8>, periodic: bool) -> Self {
+        Self { bricks, content, lobes: Lobes::default(), cloud: Cloud::default(), openness, periodic }
+    }
+
+    pub(crate) fn bricks(&self) -> &Bricks {
+        &self.bricks
+    }
+
+    pub(crate) fn content(&self) -> &Content {
+        &self.content
+    }
+
+    pub(crate) fn openness(&self) -> &[u8] {
+        &self.openness
+    }
+
+    pub(crate) fn all_lobes(&self) -> &Lobes {
+        &self.lobes
+    }
+
+    pub(crate) fn cloud(&self) -> &Cloud {
+        &self.cloud
     }
 
     /// Voxels a side.
@@ -29,12 +73,12 @@ impl Level {
 
     /// How many voxels are occupied.
     pub fn len(&self) -> usize {
-        self.voxels.len()
+        self.bricks.len() as usize
     }
 
     /// Whether no voxel is.
     pub fn is_empty(&self) -> bool {
-        self.voxels.is_empty()
+        self.bricks.len() == 0
     }
 
     /// The voxel of an index given by [`find`](Self::find) or [`walk`](Self::walk).
@@ -43,13 +87,42 @@ impl Level {
     /// If `index` is not below [`len`](Self::len).
     #[inline]
     pub fn voxel(&self, index: u32) -> Voxel {
-        self.voxels[index as usize].unpack()
+        match &self.content {
+            Content::Exact(voxels, _) => voxels[index as usize].unpack(),
+            Content::Compact(compact) => compact.unpack(index as usize),
+        }
     }
 
     /// Points of the surface in the voxel of that index; none where nothing of it can be seen.
     #[inline]
-    pub fn surfels(&self, index: u32) -> &[Surfel] {
-        self.surfels.of(index)
+    pub fn surfels(&self, index: u32) -> impl Iterator<Item = Surfel> + '_ {
+        let (exact, compact) = match &self.content {
+            Content::Exact(_, surfels) => (surfels.of(index), None),
+            Content::Compact(compact) => (&[][..], Some(compact.surfels_of(index as usize))),
+        };
+        exact.iter().copied().chain(compact.into_iter().flatten())
+    }
+
+    /// The lobes that the voxel of that index shows to the eye (a unit vector of texel space): in four groups, the part
+    /// that each has of what is seen and the numbers of its lobes. Fine levels have surfels instead.
+    #[inline]
+    pub fn lobes(&self, index: u32, eye: Vec3) -> [(f32, Range<u32>); 4] {
+        self.lobes.seen(index, eye)
+    }
+
+    /// The lobe of a number given by [`lobes`](Self::lobes).
+    ///
+    /// # Panics
+    /// If there is none.
+    #[inline]
+    pub fn lobe(&self, number: u32) -> &Lobe {
+        &self.lobes.all()[number as usize]
+    }
+
+    /// Points of the density in the voxel of that index; none where the content has surfaces.
+    #[inline]
+    pub fn scatterers(&self, index: u32) -> Scatterers<'_> {
+        self.cloud.of(index)
     }
 
     /// What `line` (in voxels of this level) meets between the parameters `range` in the voxel `index`, standing in
@@ -59,7 +132,10 @@ impl Level {
     /// If `index` is not below [`len`](Self::len).
     #[inline]
     pub fn cross(&self, index: u32, line: &Line, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
-        line.cross(&self.voxels[index as usize], cell, range)
+        match &self.content {
+            Content::Exact(voxels, _) => line.cross(&voxels[index as usize], cell, range),
+            Content::Compact(compact) => line.cross(&compact.voxel(index as usize), cell, range),
+        }
     }
 
     /// The voxel in a cell: s and t wrap if the texel is periodic; `None` outside it or where it is empty.
@@ -88,16 +164,85 @@ impl Level {
 
     /// Bytes held.
     pub fn memory(&self) -> usize {
-        self.bricks.memory() + size_of_val(self.voxels.as_slice()) + self.surfels.memory()
+        let content = match &self.content {
+            Content::Exact(voxels, surfels) => size_of_val(voxels.as_slice()) + surfels.memory(),
+            Content::Compact(compact) => compact.memory(),
+        };
+        self.bricks.memory() + content + self.lobes.memory() + self.cloud.memory() + self.openness.len()
     }
 
-    pub(crate) fn set_surfels(&mut self, surfels: Surfels) {
-        self.surfels = surfels;
+    /// Keeps it in little room, if it is fine enough that nobody sees the difference.
+    fn compacted(self) -> Self {
+        match &self.content {
+            // Levels of lobes are few voxels.
+            Content::Exact(..) if self.lobes.is_there() => self,
+            Content::Exact(voxels, surfels) => match Compact::new(voxels, surfels) {
+                Some(compact) => Self { content: Content::Compact(compact), ..self },
+                None => self,
+            },
+            Content::Compact(_) => self,
+        }
     }
 
+    /// Of a level as it was measured.
+    pub(crate) fn set_shown(&mut self, shown: Shown) {
+        match (shown, &mut self.content) {
+            (Shown::Surfels(measured), Content::Exact(_, surfels)) => *surfels = measured,
+            (Shown::Surfels(_), Content::Compact(_)) => {}
+            (Shown::Lobes(lobes), _) => self.lobes = lobes,
+        }
+    }
+
+    pub(crate) fn set_lobes(&mut self, lobes: Lobes) {
+        self.lobes = lobes;
+    }
+
+    /// Of a level as it was measured; else none.
     pub(crate) fn voxels_mut(&mut self) -> &mut [Packed] {
-        &mut self.voxels
+        match &mut self.content {
+            Content::Exact(voxels, _) => voxels,
+            Content::Compact(_) => &mut [],
+        }
     }
+
+    pub(crate) fn set_cloud(&mut self, cloud: Cloud) {
+        self.cloud = cloud;
+    }
+
+    pub(crate) fn set_openness(&mut self, openness: Vec<u8>) {
+        self.openness = openness;
+    }
+
+    /// What does not fit, or is out of its domain, if anything.
+    fn fault(&self) -> Option<LevelFault> {
+        let structure = |what| Some(LevelFault::Structure(what));
+        if let Some(what) = self.bricks.fault() {
+            return structure(what);
+        }
+        let voxels = match &self.content {
+            Content::Exact(voxels, _) => voxels.len(),
+            Content::Compact(compact) => compact.voxels.len(),
+        };
+        if voxels != self.len() {
+            return structure("voxels are not as many as occupied cells");
+        }
+        if !self.openness.is_empty() && self.openness.len() != voxels {
+            return structure("openness is not known of every voxel");
+        }
+        if let Content::Compact(compact) = &self.content
+            && let Some(what) = compact.fault()
+        {
+            return structure(what);
+        }
+        let mut faults = (0..voxels as u32).map(|i| (i, self.voxel(i).fault()));
+        faults.find_map(|(i, field)| field.map(|field| LevelFault::Voxel(i, field)))
+    }
+}
+
+/// What can be wrong with a level: its lists, or a field of a voxel.
+enum LevelFault {
+    Structure(&'static str),
+    Voxel(u32, &'static str),
 }
 
 /// A cube of content, [0, 1]³ in (s, t, w), w away from the surface, with data at every level of detail.
@@ -125,6 +270,17 @@ impl Texel {
     ) -> Self {
         let [specular, roughness] = material;
         Self { name: name.to_owned(), specular, roughness, periodic, source, levels }
+    }
+
+    /// A texel of no level: what its source says can be asked of it, by the reference renderer for one, and cones see
+    /// nothing in it.
+    ///
+    /// # Errors
+    /// What [`build`](crate::build()) would refuse of the source.
+    pub fn unbaked(name: &str, source: impl Into<Source>) -> Result<Self, BuildError> {
+        let source = source.into();
+        let material = source.sound_content()?.material();
+        Ok(Self::new(name, source, material, true, Vec::new()))
     }
 
     /// What it was made from.
@@ -157,6 +313,24 @@ impl Texel {
         &self.levels[l as usize]
     }
 
+    /// Fraction of the cosine-weighted upper hemisphere (around +w) that the texel leaves open above a voxel of level
+    /// `l` in `cell`, 0 to 1. It varies slowly: fine voxels have that of an ancestor.
+    pub fn openness(&self, l: u32, cell: IVec3) -> f32 {
+        let known = self.levels.iter().take(l as usize + 1).rposition(|level| !level.openness.is_empty());
+        let open = known.and_then(|known| {
+            let level = &self.levels[known];
+            let voxel = level.find(cell >> (l as usize - known) as i32)?;
+            level.openness.get(voxel as usize)
+        });
+        open.map_or(1.0, |&open| f32::from(open) * (1.0 / 255.0))
+    }
+
+    /// The same texel, its fine levels in a third of the room: what is rounded away shows in no picture.
+    pub fn compacted(mut self) -> Self {
+        self.levels = self.levels.into_iter().map(Level::compacted).collect();
+        self
+    }
+
     pub(crate) fn levels_mut(&mut self) -> &mut [Level] {
         &mut self.levels
     }
@@ -175,6 +349,7 @@ impl Texel {
         if self.levels.is_empty() {
             return Err(TexelError::Structure { level: 0, what: "there is no level" });
         }
+        self.validate_properties()?;
         for (l, level) in self.levels.iter().enumerate() {
             let structure = |what| TexelError::Structure { level: l as u32, what };
             if level.resolution() != 1 << l {
@@ -183,22 +358,25 @@ impl Texel {
             if level.periodic != self.periodic {
                 return Err(structure("the level wraps otherwise than the texel"));
             }
-            if let Some(what) = level.bricks.fault() {
-                return Err(structure(what));
-            }
-            if level.bricks.len() as usize != level.voxels.len() {
-                return Err(structure("voxels are not as many as occupied cells"));
-            }
-            for (voxel, stored) in level.voxels.iter().enumerate() {
-                if let Some(field) = stored.unpack().fault() {
-                    return Err(TexelError::Voxel { level: l as u32, voxel: voxel as u32, field });
+            match level.fault() {
+                Some(LevelFault::Structure(what)) => return Err(structure(what)),
+                Some(LevelFault::Voxel(voxel, field)) => {
+                    return Err(TexelError::Voxel { level: l as u32, voxel, field });
                 }
+                None => {}
             }
         }
         for (l, pair) in self.levels.windows(2).enumerate() {
             self.validate_family(l as u32, &pair[0], &pair[1])?;
         }
         Ok(())
+    }
+
+    /// Checks the numbers of its material.
+    pub(crate) fn validate_properties(&self) -> Result<(), TexelError> {
+        let fields = [("specular", self.specular), ("roughness", self.roughness)];
+        let wrong = fields.into_iter().find(|(_, value)| !(0.0..=1.0).contains(value));
+        wrong.map_or(Ok(()), |(field, _)| Err(TexelError::Material { field }))
     }
 
     fn validate_family(&self, level: u32, parents: &Level, children: &Level) -> Result<(), TexelError> {

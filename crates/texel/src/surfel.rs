@@ -48,6 +48,51 @@ impl Surfel {
         }
     }
 
+    /// From what the methods below give.
+    pub(crate) fn of_parts(normal: [i16; 2], color: [u8; 3], weight: u8, open: u64) -> Self {
+        Self { open, normal, color, weight }
+    }
+
+    /// The normal's point on the octahedron.
+    pub(crate) fn octahedral(&self) -> [i16; 2] {
+        self.normal
+    }
+
+    /// Square roots of the albedo, 1/255.
+    pub(crate) fn root_color(&self) -> [u8; 3] {
+        self.color
+    }
+
+    /// The mask by squares of 2 × 2 cells, if those of each are alike.
+    pub(crate) fn coarse_mask(&self) -> Option<u16> {
+        // Each square's lowest cell says it for all four.
+        let lowest = self.open & 0x0055_0055_0055_0055;
+        let alike = lowest | lowest << 1;
+        let alike = alike | alike << 8;
+        let square = |i: u32| (lowest >> (16 * (i / 4) + 2 * (i % 4)) & 1) as u16;
+        (alike == self.open).then(|| (0..16).fold(0, |mask, i| mask | square(i) << i))
+    }
+
+    /// Mask, normal, colour and weight, little endian.
+    pub(crate) fn to_bytes(&self) -> [u8; 16] {
+        let [x, y] = self.normal.map(i16::to_le_bytes);
+        let [r, g, b] = self.color;
+        let mut bytes = [0; 16];
+        bytes[..8].copy_from_slice(&self.open.to_le_bytes());
+        bytes[8..].copy_from_slice(&[x[0], x[1], y[0], y[1], r, g, b, self.weight]);
+        bytes
+    }
+
+    /// What [`to_bytes`](Self::to_bytes) made bytes of.
+    pub(crate) fn from_bytes(bytes: [u8; 16]) -> Self {
+        Self {
+            open: u64::from_le_bytes(std::array::from_fn(|i| bytes[i])),
+            normal: [8, 10].map(|at| i16::from_le_bytes([bytes[at], bytes[at + 1]])),
+            color: [bytes[12], bytes[13], bytes[14]],
+            weight: bytes[15],
+        }
+    }
+
     /// Unit normal, on the side that is seen; texel space.
     #[inline]
     pub fn normal(&self) -> Vec3 {
@@ -70,26 +115,7 @@ impl Surfel {
     /// What nothing near blocks of its cosine-weighted hemisphere, above and below the surface that the texel stands on:
     /// the part of the hemisphere, and the sum of its directions (texel space), weighted alike.
     pub fn sky(&self) -> [(f32, Vec3); 2] {
-        const STEP: f32 = 2.0 / Surfel::SIDE as f32;
-        let normal = self.normal();
-        let [x, y] = axes(normal);
-        let mut halves = [(0.0, Vec3::ZERO); 2];
-        let mut whole = 0.0;
-        for cell in 0..Self::SIDE * Self::SIDE {
-            let [a, b] = [cell % Self::SIDE, cell / Self::SIDE].map(|i| STEP * (i as f32 + 0.5) - 1.0);
-            let rest = 1.0 - a * a - b * b;
-            if rest < 0.0 {
-                continue;
-            }
-            whole += 1.0;
-            if self.open >> cell & 1 != 0 {
-                let d = a * x + b * y + rest.sqrt() * normal;
-                let (open, sum) = &mut halves[usize::from(d.z < 0.0)];
-                *open += 1.0;
-                *sum += d;
-            }
-        }
-        halves.map(|(open, sum)| (open / whole, sum / whole))
+        sky(self.normal(), |cell| if self.open >> cell & 1 != 0 { 1.0 } else { 0.0 })
     }
 
     /// Whether nothing near blocks it towards the unit vector `d` of texel space; `false` for those behind it.
@@ -125,11 +151,40 @@ impl Surfel {
     }
 }
 
+/// [`Surfel::sky`] of a surface of which the part `open` is open through each cell.
+pub(crate) fn sky(normal: Vec3, open: impl Fn(usize) -> f32) -> [(f32, Vec3); 2] {
+    const STEP: f32 = 2.0 / Surfel::SIDE as f32;
+    let [x, y] = axes(normal);
+    let mut halves = [(0.0, Vec3::ZERO); 2];
+    let mut whole = 0.0;
+    for cell in 0..Surfel::SIDE * Surfel::SIDE {
+        let [a, b] = [cell % Surfel::SIDE, cell / Surfel::SIDE].map(|i| STEP * (i as f32 + 0.5) - 1.0);
+        let rest = 1.0 - a * a - b * b;
+        if rest < 0.0 {
+            continue;
+        }
+        whole += 1.0;
+        let part = open(cell);
+        if part > 0.0 {
+            let d = a * x + b * y + rest.sqrt() * normal;
+            let (open, sum) = &mut halves[usize::from(d.z < 0.0)];
+            *open += part;
+            *sum += part * d;
+        }
+    }
+    halves.map(|(open, sum)| (open / whole, sum / whole))
+}
+
 /// Where a direction on the side of `normal` lies on the mask: the disk under the hemisphere in 8 × 8 squares, so that
 /// each holds as much cosine-weighted light as any other.
 #[inline]
-fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
+pub(crate) fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
     axes(normal).map(|axis| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32)
+}
+
+/// The direction through the middle of a cell, by its column and row.
+pub(crate) fn from_disk(normal: Vec3, cell: [usize; 2]) -> Vec3 {
+    direction(normal, cell.map(|c| (2.0 * c as f32 + 1.0) / Surfel::SIDE as f32 - 1.0))
 }
 
 /// The axes of the disk.
@@ -167,6 +222,23 @@ impl Surfels {
             first.push(count);
         }
         Self { first, all: each.concat() }
+    }
+
+    /// From the number that each voxel has, and all of them; `None` if these are not as many together.
+    pub(crate) fn from_counts(counts: &[u16], all: Vec<Surfel>) -> Option<Self> {
+        let mut first = Vec::with_capacity(counts.len() + 1);
+        let mut sum = 0_u32;
+        first.push(sum);
+        for &count in counts {
+            sum = sum.checked_add(count.into())?;
+            first.push(sum);
+        }
+        (sum as usize == all.len()).then_some(Self { first, all })
+    }
+
+    /// All of them, in the order of their voxels.
+    pub(crate) fn all(&self) -> &[Surfel] {
+        &self.all
     }
 
     #[inline]

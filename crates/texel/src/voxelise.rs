@@ -5,6 +5,8 @@
 //! one), so nothing is listed twice. Only non-empty cells take memory. A coarser level's lists are the unions of
 //! its children's, which makes a cell occupied exactly where one of its children is.
 
+use std::ops::Range;
+
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
@@ -116,6 +118,12 @@ impl Cells {
         self.entries.len()
     }
 
+    /// For each cell, which of the cells of a `finer` level lie in it, `bits` being three for each level between.
+    pub(crate) fn descendants(&self, finer: &Self, bits: u32) -> Vec<Range<usize>> {
+        let first = |code: u64| finer.codes.partition_point(|&c| u64::from(c) < code << bits);
+        self.codes.iter().map(|&c| first(u64::from(c))..first(u64::from(c) + 1)).collect()
+    }
+
     /// Where the `i`-th cell stands.
     pub(crate) fn cell(&self, i: usize) -> IVec3 {
         IVec3::from_array(demorton(self.codes[i]).map(|c| c as i32))
@@ -194,7 +202,7 @@ impl Polygon {
     }
 
     /// The part of the polygon where `sign · (coordinate − at) ≥ 0`, `sign` being 1 or −1.
-    fn cut(&self, axis: usize, at: f32, sign: f32) -> Self {
+    pub(crate) fn cut(&self, axis: usize, at: f32, sign: f32) -> Self {
         let mut kept = Self::empty();
         let v = self.vertices();
         let Some(mut a) = v.last() else {

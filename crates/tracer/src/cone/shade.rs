@@ -4,7 +4,7 @@ use glam::{DVec3, Mat3, Vec2, Vec3};
 use pelage_geom::{Cone, Material, Ray, material::exponent_of_roughness};
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use pelage_texel::{Surfel, Voxel};
+use pelage_texel::{Level, Scatterers, Surfel, Voxel};
 
 use super::composite::{SeenSurface, SeenVoxel, mean_visible};
 use super::path::to_box;
@@ -17,6 +17,7 @@ use crate::{Environment, Scene, Settings};
 #[derive(Default)]
 pub(crate) struct Shader {
     shadows: ShadowBuffers,
+    surfels: Vec<Surfel>,
     visible: Vec<Visible>,
 }
 
@@ -43,18 +44,22 @@ impl Shader {
 
         let tint = coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
         let [specular, exponent] = [coat.texel.specular, exponent_of_roughness(coat.texel.roughness)];
-        let surfels = level.surfels(seen.voxel);
+        self.surfels.clear();
+        self.surfels.extend(level.surfels(seen.voxel));
         let facing =
             Facing { view: (inverse * view).normalize_or_zero(), cofactor: inverse.transpose(), tint };
-        facing.collect(surfels, &mut self.visible);
+        facing.collect(&self.surfels, &mut self.visible);
+        facing.collect_lobes(level, seen.voxel, &mut self.visible);
+        let scatterers = level.scatterers(seen.voxel);
+        facing.collect_scatterers(scatterers, &mut self.visible);
         if self.visible.is_empty() {
             facing.collect_ellipsoid(&voxel, settings.normals, &mut self.visible);
         }
         let whole: f32 = self.visible.iter().map(|v| v.weight).sum();
-        // Of the sky, the masks say what is near, the voxel's openness what is above beyond that, and a cone what is
+        // Of the sky, the masks say what is near, the openness there what is above beyond that, and a cone what is
         // below: as a rule, the surface that the coat stands on.
         let lit_from_below =
-            settings.shadows && scene.environment != Environment::BLACK && !surfels.is_empty();
+            settings.shadows && scene.environment != Environment::BLACK && self.visible[0].point.is_some();
         let below = if lit_from_below {
             // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
             let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
@@ -63,11 +68,17 @@ impl Shader {
         } else {
             0.0
         };
-        let sky = |v: &Visible| match v.surfel {
-            Some(i) if settings.shadows => {
-                let beyond = [voxel.openness, below];
-                let halves = surfels[i as usize].sky().into_iter().zip(beyond);
-                halves
+        let openness = coat.texel.openness(seen.key.level.into(), seen.key.cell.into());
+        let surfels = &self.surfels;
+        let sky = |v: &Visible| match v.point {
+            Some(point) if settings.shadows => {
+                let beyond = [openness, below];
+                let halves = match point {
+                    Point::Surfel(i) => surfels[i as usize].sky(),
+                    Point::Lobe(i) => level.lobe(i).sky(),
+                    Point::Scatterer(i) => scatterers.sky(i as usize),
+                };
+                (halves.into_iter().zip(beyond))
                     .map(|((open, sum), beyond)| {
                         let turned = (jacobian * sum).normalize_or_zero() * sum.length();
                         beyond * scene.environment.gathered(open, turned)
@@ -76,20 +87,25 @@ impl Shader {
             }
             _ => {
                 scene.environment.mean_radiance(v.normal)
-                    * if settings.shadows { voxel.openness } else { 1.0 }
+                    * if settings.shadows { openness } else { 1.0 }
             }
         };
         let mut radiance = Vec3::ZERO;
         if scene.environment != Environment::BLACK {
             radiance = self.visible.iter().map(|v| v.weight * v.color * sky(v)).sum::<Vec3>() / whole;
         }
+        let holds_shadows = Scatterers::hold_shadows(seen.key.level.into());
         for light in &scene.lights {
             let Some(incoming) = light.incoming(point.as_vec3()) else { continue };
             let to_light = incoming.direction;
             let half = (view + to_light).normalize_or_zero();
             let towards = (inverse * to_light).normalize_or_zero();
-            let lit = |v: &Visible| match v.surfel {
-                Some(i) if settings.shadows => surfels[i as usize].lit(facing.view, towards),
+            let lit = |v: &Visible| match v.point {
+                Some(Point::Surfel(i)) if settings.shadows => surfels[i as usize].lit(facing.view, towards),
+                Some(Point::Lobe(i)) if settings.shadows => level.lobe(i).lit(facing.view, towards),
+                Some(Point::Scatterer(i)) if settings.shadows && holds_shadows => {
+                    scatterers.transmittance(i as usize, towards)
+                }
                 _ => 1.0,
             };
             let reflected: Vec3 = (self.visible.iter())
@@ -103,8 +119,14 @@ impl Shader {
             }
             let mut arriving = 1.0;
             if settings.shadows {
-                // What is near is in the masks.
-                let start = Surfel::reach(1.0 / scale) / (inverse * to_light).length();
+                // What is near is in the masks, or in the maps.
+                let edge = 1.0 / scale;
+                let (near, apart) = match scatterers.is_empty() {
+                    true => (Surfel::reach(edge), SURFACES_APART),
+                    false if holds_shadows => (Scatterers::reach(seen.key.level.into()), 0.0),
+                    false => (0.0, DENSITIES_APART * edge),
+                };
+                let start = near / (inverse * to_light).length();
                 arriving = self.shadows.transmittance(
                     scene,
                     settings,
@@ -117,7 +139,7 @@ impl Shader {
                             width: f64::from(jacobian.determinant().abs().cbrt() / scale),
                             spread: f64::from(incoming.spread),
                         },
-                        correlation: correlation(&inverse, view, to_light),
+                        correlation: correlation(&inverse, view, to_light, apart),
                     },
                 );
             }
@@ -242,8 +264,16 @@ struct Visible {
     color: Vec3,
     /// How much of what is seen, up to a factor common to all.
     weight: f32,
-    /// Which surfel of the voxel it is, if one.
-    surfel: Option<u32>,
+    /// Which part of the voxel it is, if one.
+    point: Option<Point>,
+}
+
+/// What a voxel holds, by its number.
+#[derive(Clone, Copy)]
+enum Point {
+    Surfel(u32),
+    Lobe(u32),
+    Scatterer(u32),
 }
 
 /// How a voxel is looked at.
@@ -266,7 +296,7 @@ impl Facing {
                 normal: (self.cofactor * normal).normalize_or_zero(),
                 color: surfel.color() * self.tint,
                 weight: surfel.weight() * normal.dot(self.view),
-                surfel: Some(i as u32),
+                point: Some(Point::Surfel(i as u32)),
             }
         };
         visible.extend(surfels.iter().enumerate().filter(|(_, s)| s.sees(self.view)).map(one));
@@ -275,6 +305,33 @@ impl Facing {
             let faces = |(_, s): &(usize, &Surfel)| s.normal().dot(self.view) > 0.0;
             visible.extend(surfels.iter().enumerate().filter(faces).map(one));
         }
+    }
+
+    /// The lobes that are seen from here.
+    fn collect_lobes(&self, level: &Level, voxel: u32, visible: &mut Vec<Visible>) {
+        for (share, lobes) in level.lobes(voxel, self.view) {
+            let whole: f32 = lobes.clone().map(|i| level.lobe(i).weight()).sum();
+            visible.extend(lobes.map(|i| {
+                let lobe = level.lobe(i);
+                Visible {
+                    normal: (self.cofactor * lobe.normal()).normalize_or_zero(),
+                    color: lobe.color() * self.tint,
+                    weight: share * lobe.weight() / whole,
+                    point: Some(Point::Lobe(i)),
+                }
+            }));
+        }
+    }
+
+    /// The scatterers, by how much of each passes to the eye.
+    fn collect_scatterers(&self, scatterers: Scatterers, visible: &mut Vec<Visible>) {
+        visible.extend(scatterers.points().iter().enumerate().map(|(i, point)| Visible {
+            normal: (self.cofactor * point.normal()).normalize_or_zero(),
+            color: point.color() * self.tint,
+            // Where hardly anything passes, all count alike.
+            weight: point.weight() * scatterers.transmittance(i, self.view).max(1e-4),
+            point: Some(Point::Scatterer(i as u32)),
+        }));
     }
 
     /// `count` normals (1 to 16) of the visible half of the voxel's ellipsoid, equal parts of what is seen.
@@ -290,17 +347,27 @@ impl Facing {
                 normal: (self.cofactor * seen.sample([x, y.fract()])).normalize_or_zero(),
                 color: voxel.albedo * self.tint,
                 weight: 1.0,
-                surfel: None,
+                point: None,
             });
         }
     }
 }
 
-/// How quickly the ways to the eye and to the light part, beyond what the masks hold: strands that stand next to each
-/// other are some .03 texel units apart. Measured on leaves, blades and hairs. [docs/notes/fidelity.md]
-fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3) -> Correlation {
-    const APART: f32 = 0.03;
-    Correlation { q: (*inverse * (to_light - view)).length() / APART }
+/// How quickly the ways to the eye and to the light part, beyond what the masks hold, in texel units: strands that stand
+/// next to each other are some .03 apart. Measured on leaves, blades and hairs. [docs/notes/fidelity.md]
+const SURFACES_APART: f32 = 0.03;
+
+/// The same in a density, in voxel edges: it has no gaps, but what is seen of a voxel lies nearer to the eye than its
+/// middle, and to a light beside it. Measured on hypertextures.
+const DENSITIES_APART: f32 = 0.04;
+
+/// How alike the ways to the eye and to the light are, where those that are `apart` (texel units) have nothing to do with
+/// each other.
+fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, apart: f32) -> Correlation {
+    if apart == 0.0 {
+        return Correlation::NONE;
+    }
+    Correlation { q: (*inverse * (to_light - view)).length() / apart }
 }
 
 /// The colour of the surface below a voxel, where the coat wears it.

@@ -1,0 +1,345 @@
+//! A lobe: what a coarse voxel shows of its surface to one direction, of all that faces alike, and from where that is
+//! lit.
+//!
+//! Of a voxel that holds a whole tuft, hardly a tenth of the surface is seen from anywhere, and of that a part is lit: a
+//! few hundred surfels leave some ten that matter, and a picture of noise. So the coarsest levels sort the surface by
+//! direction first: for each of 72 directions to the eye, the surface that is seen from there, in groups that face
+//! alike, each with the *part* of it that is open towards every cell of its hemisphere.
+
+use std::ops::Range;
+
+use glam::{IVec2, Vec2, Vec3, vec2};
+
+use crate::packed::{bytes, normal, octahedral, unit};
+use crate::surfel::{Surfel, from_disk, on_disk};
+
+/// The surface that faces alike, of what is seen of a voxel from one direction. 40 bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lobe {
+    /// Two cells of the disk a byte, the lower half first, in fifteenths.
+    open: [u8; Surfel::SIDE * Surfel::SIDE / 2],
+    normal: [i16; 2],
+    color: [u8; 3],
+    weight: u8,
+}
+
+/// A point of the surface as a level sees it: what lobes (and surfels) are made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    pub(crate) surfel: Surfel,
+    /// The surface that it stands for, in any unit.
+    pub(crate) weight: f32,
+}
+
+impl Lobe {
+    /// Of points and their shares of what is seen.
+    fn new(points: &[(Point, f32)], largest: f32) -> Self {
+        let share: f32 = points.iter().map(|p| p.1).sum();
+        let mean = |of: &dyn Fn(&Surfel) -> Vec3| {
+            points.iter().map(|(point, share)| *share * of(&point.surfel)).sum::<Vec3>() / share
+        };
+        let facing = octahedral(mean(&Surfel::normal).normalize_or(points[0].0.surfel.normal()));
+        let facing_unit = normal(facing);
+        let mut open = [0; Surfel::SIDE * Surfel::SIDE / 2];
+        for cell in 0..Surfel::SIDE * Surfel::SIDE {
+            let d = from_disk(facing_unit, [cell % Surfel::SIDE, cell / Surfel::SIDE]);
+            // Of the light that all of it would take up if it faced as their mean does.
+            let lit = |(point, share): &(Point, f32)| match point.surfel.sees(d) {
+                true => share * point.surfel.normal().dot(d),
+                false => 0.0,
+            };
+            let part = points.iter().map(lit).sum::<f32>() / (share * facing_unit.dot(d));
+            open[cell / 2] |= ((15.0 * part.min(1.0)).round() as u8) << (4 * (cell % 2));
+        }
+        Self {
+            open,
+            normal: facing,
+            color: bytes(mean(&Surfel::color).map(f32::sqrt)),
+            weight: (255.0 * share / largest).round().clamp(1.0, 255.0) as u8,
+        }
+    }
+
+    /// The cells, normal, colour and weight, little endian.
+    pub(crate) fn to_bytes(self) -> [u8; 40] {
+        let [x, y] = self.normal.map(i16::to_le_bytes);
+        let [r, g, b] = self.color;
+        let mut bytes = [0; 40];
+        bytes[..32].copy_from_slice(&self.open);
+        bytes[32..].copy_from_slice(&[x[0], x[1], y[0], y[1], r, g, b, self.weight]);
+        bytes
+    }
+
+    /// What [`to_bytes`](Self::to_bytes) made bytes of.
+    pub(crate) fn from_bytes(bytes: [u8; 40]) -> Self {
+        Self {
+            open: std::array::from_fn(|i| bytes[i]),
+            normal: [32, 34].map(|at| i16::from_le_bytes([bytes[at], bytes[at + 1]])),
+            color: [bytes[36], bytes[37], bytes[38]],
+            weight: bytes[39],
+        }
+    }
+
+    /// Unit normal, texel space.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        normal(self.normal)
+    }
+
+    /// Linear albedo.
+    #[inline]
+    pub fn color(&self) -> Vec3 {
+        let root = unit(self.color);
+        root * root
+    }
+
+    /// How much is seen of it, as a part of the largest that is seen from the same direction.
+    #[inline]
+    pub fn weight(&self) -> f32 {
+        f32::from(self.weight) * (1.0 / 255.0)
+    }
+
+    /// The part of it that nothing near hides from the light, of what the eye sees of it (unit vectors to both, texel
+    /// space); 0 for light from behind.
+    ///
+    /// Nothing stands between the light and what is seen where both directions are one: in a gap as wide as those
+    /// between strands, a third as deep as the texel is high, they have little to do with each other from a few degrees on.
+    #[inline]
+    pub fn lit(&self, eye: Vec3, light: Vec3) -> f32 {
+        let normal = self.normal();
+        if normal.dot(light) <= 0.0 {
+            return 0.0;
+        }
+        let [x, y] = on_disk(normal, light).map(|c| c - 0.5);
+        let ([i, j], [a, b]) = ([x.floor(), y.floor()], [x - x.floor(), y - y.floor()]);
+        let row = |y: f32| (1.0 - a) * self.open([i, y]) + a * self.open([i + 1.0, y]);
+        let open = (1.0 - b) * row(j) + b * row(j + 1.0);
+        open + (1.0 - open) * (-(eye - light).length() / APART).exp()
+    }
+
+    /// What nothing near blocks of its cosine-weighted hemisphere, as [`Surfel::sky`].
+    pub fn sky(&self) -> [(f32, Vec3); 2] {
+        crate::surfel::sky(self.normal(), |cell| self.at(cell))
+    }
+
+    #[inline]
+    fn open(&self, at: [f32; 2]) -> f32 {
+        let [column, row] = at.map(|c| (c.max(0.0) as usize).min(Surfel::SIDE - 1));
+        self.at(Surfel::SIDE * row + column)
+    }
+
+    #[inline]
+    fn at(&self, cell: usize) -> f32 {
+        f32::from(self.open[cell / 2] >> (4 * (cell % 2)) & 15) * (1.0 / 15.0)
+    }
+}
+
+/// The distance between unit vectors to the eye and to the light at which hardly more of what is seen is lit than of the rest.
+const APART: f32 = 0.08;
+
+/// Directions to the eye along each side of the map of a hemisphere, of which there are two: what is seen from just
+/// above the horizon has nothing to do with what is seen from below it.
+const SIDE: i32 = 6;
+
+/// Directions in a hemisphere.
+const DIRECTIONS: i32 = SIDE * SIDE;
+
+/// The lobes of a level's voxels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Lobes {
+    /// Where those of each voxel and direction begin, and the end; empty in levels that have none.
+    first: Vec<u32>,
+    all: Vec<Lobe>,
+}
+
+impl Lobes {
+    /// From what each voxel has for each direction.
+    pub(crate) fn new(each: &[Vec<Vec<Lobe>>]) -> Self {
+        let mut first = vec![0];
+        let mut all = Vec::new();
+        for lobes in each.iter().flatten() {
+            all.extend_from_slice(lobes);
+            first.push(all.len() as u32);
+        }
+        Self { first, all }
+    }
+
+    /// What a voxel shows to each direction; at most `most` lobes each.
+    pub(crate) fn of_voxel(points: &[Point], most: usize) -> Vec<Vec<Lobe>> {
+        (0..2 * DIRECTIONS)
+            .map(|i| {
+                let (hemisphere, cell) = (i / DIRECTIONS, IVec2::new(i % SIDE, i % DIRECTIONS / SIDE));
+                seen_from(points, if hemisphere == 0 { 1.0 } else { -1.0 }, cell, most)
+            })
+            .collect()
+    }
+
+    /// The lobes that a voxel shows to the unit vector `eye`, those of the four nearest directions: the part that each
+    /// direction has of the picture, and its lobes.
+    #[inline]
+    pub(crate) fn seen(&self, voxel: u32, eye: Vec3) -> [(f32, Range<u32>); 4] {
+        let at = (on_square(eye) * 0.5 + 0.5) * SIDE as f32 - 0.5;
+        let (cell, part) = (at.floor(), at - at.floor());
+        let hemisphere = 2 * voxel as usize + usize::from(eye.z < 0.0);
+        let mut seen = [(); 4].map(|()| (0.0, 0..0));
+        let mut whole = 0.0;
+        for (i, (share, range)) in seen.iter_mut().enumerate() {
+            let corner = IVec2::new(i as i32 & 1, i as i32 >> 1);
+            let [x, y] = [0, 1].map(|axis| if corner[axis] == 0 { 1.0 - part[axis] } else { part[axis] });
+            let direction = (cell.as_ivec2() + corner).clamp(IVec2::ZERO, IVec2::splat(SIDE - 1));
+            let entry = hemisphere * DIRECTIONS as usize + (direction.y * SIDE + direction.x) as usize;
+            if let Some(&[start, end]) = self.first.get(entry..entry + 2)
+                && start < end
+            {
+                (*share, *range) = (x * y, start..end);
+                whole += *share;
+            }
+        }
+        for (share, _) in &mut seen {
+            *share /= f32::max(whole, f32::MIN_POSITIVE);
+        }
+        seen
+    }
+
+    /// All of them, in the order of their voxels and directions.
+    #[inline]
+    pub(crate) fn all(&self) -> &[Lobe] {
+        &self.all
+    }
+
+    /// Whether the level has any.
+    pub(crate) fn is_there(&self) -> bool {
+        !self.first.is_empty()
+    }
+
+    /// How many lobes each voxel has for each direction.
+    pub(crate) fn counts(&self) -> impl ExactSizeIterator<Item = u8> + '_ {
+        self.first.windows(2).map(|pair| (pair[1] - pair[0]) as u8)
+    }
+
+    /// How many counts as many voxels have.
+    pub(crate) fn count(voxels: usize) -> Option<usize> {
+        voxels.checked_mul(2 * DIRECTIONS as usize)
+    }
+
+    /// From what [`counts`](Self::counts) and [`all`](Self::all) gave; `None` where they do not fit.
+    pub(crate) fn from_tables(counts: impl Iterator<Item = u8>, all: Vec<Lobe>) -> Option<Self> {
+        let mut first = vec![0_u32];
+        let mut sum = 0_u32;
+        for count in counts {
+            sum = sum.checked_add(count.into())?;
+            first.push(sum);
+        }
+        (sum as usize == all.len()).then_some(Self { first, all })
+    }
+
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(self.first.as_slice()) + size_of_val(self.all.as_slice())
+    }
+}
+
+/// The lobes of what is seen from a cell of the directions, on the side of the surface that `side` is the sign of.
+fn seen_from(points: &[Point], side: f32, cell: IVec2, most: usize) -> Vec<Lobe> {
+    // Four directions in the cell.
+    let directions = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)].map(|(x, y)| {
+        let at = (cell.as_vec2() + vec2(x, y)) / SIDE as f32;
+        from_square(2.0 * at - 1.0, side)
+    });
+    let share = |point: &Point| -> f32 {
+        let facing = |d: &Vec3| if point.surfel.sees(*d) { point.surfel.normal().dot(*d) } else { 0.0 };
+        point.weight * directions.iter().map(facing).sum::<f32>()
+    };
+    let mut seen: Vec<(Point, f32)> =
+        points.iter().map(|p| (*p, share(p))).filter(|(_, share)| *share > 0.0).collect();
+    // Groups of normals in cells of about 20°.
+    let group = |p: &Point| {
+        let normal = p.surfel.normal();
+        let at = (on_square(normal) * 0.5 + 0.5) * 5.999;
+        (normal.z < 0.0, at.x as u32, at.y as u32)
+    };
+    seen.sort_by_key(|(p, _)| group(p));
+    let mut groups: Vec<Vec<(Point, f32)>> =
+        seen.chunk_by(|a, b| group(&a.0) == group(&b.0)).map(<[_]>::to_vec).collect();
+    let size = |g: &[(Point, f32)]| g.iter().map(|p| p.1).sum::<f32>();
+    groups.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    while groups.len() > most {
+        // The lightest joins the one that faces most like it.
+        let Some(lightest) = groups.pop() else { break };
+        let facing = |g: &[(Point, f32)]| {
+            g.iter().map(|(p, s)| *s * p.surfel.normal()).sum::<Vec3>().normalize_or_zero()
+        };
+        let normal = facing(&lightest);
+        let nearest =
+            groups.iter_mut().max_by(|a, b| facing(a).dot(normal).total_cmp(&facing(b).dot(normal)));
+        if let Some(group) = nearest {
+            group.extend(lightest);
+        }
+    }
+    let largest = groups.iter().map(|g| size(g)).fold(f32::MIN_POSITIVE, f32::max);
+    groups.iter().map(|g| Lobe::new(g, largest)).collect()
+}
+
+/// Where a direction lies on the map of its hemisphere, [−1, 1]², whose border is the horizon. [Cigolle14]
+fn on_square(n: Vec3) -> Vec2 {
+    let p = n.truncate() / n.abs().element_sum().max(f32::MIN_POSITIVE);
+    vec2(p.x + p.y, p.x - p.y)
+}
+
+/// The direction at a point of the map, on a side of the surface (1 or −1).
+fn from_square(at: Vec2, side: f32) -> Vec3 {
+    let p = 0.5 * vec2(at.x + at.y, at.x - at.y);
+    p.extend(side * (1.0 - p.x.abs() - p.y.abs())).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn forty_bytes() {
+        assert_eq!(size_of::<Lobe>(), 40);
+    }
+
+    #[test]
+    fn the_map_of_directions_returns() {
+        let random = &mut Random::new(3, 0);
+        for _ in 0..1000 {
+            let d = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
+            assert!((from_square(on_square(d), d.z.signum()) - d).length() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn lobes_say_what_their_points_do() {
+        // A floor whose cells are open where x > 0 (the disk's axes are the plane's), and one that is open everywhere,
+        // three times as large: from above, ¾ + ¼ of it is lit from x > 0, and ¾ from x < 0.
+        let floor = |open| Surfel::new(Vec3::Z, Vec3::splat(0.5), 1.0, open);
+        let along = from_disk(Vec3::Z, [7, 4]);
+        let half = (0..64).filter(|c| from_disk(Vec3::Z, [c % 8, c / 8]).dot(along) > 0.0);
+        let half = half.fold(0_u64, |mask, cell| mask | 1 << cell);
+        let up = from_disk(Vec3::Z, [4, 4]);
+        assert!(floor(half).sees(up));
+        let points =
+            [Point { surfel: floor(half), weight: 1.0 }, Point { surfel: floor(u64::MAX), weight: 3.0 }];
+        let lobes = Lobes::new(&[Lobes::of_voxel(&points, 8)]);
+        let seen = lobes.seen(0, up);
+        assert!((seen.iter().map(|s| s.0).sum::<f32>() - 1.0).abs() < 1e-5);
+        for (share, range) in seen {
+            for lobe in &lobes.all()[range.start as usize..range.end as usize] {
+                assert!((lobe.normal() - Vec3::Z).length() < 1e-3 && share > 0.0);
+                assert!((lobe.color() - 0.5).length() < 0.01);
+            }
+        }
+        // From where the first is open, both are seen alike; far from the eye, ¼ of what is seen is dark.
+        let lit = |eye: Vec3, light: Vec3| {
+            let of =
+                |(share, range): (f32, Range<u32>)| share * lobes.all()[range.start as usize].lit(eye, light);
+            lobes.seen(0, eye).into_iter().map(of).sum::<f32>()
+        };
+        let back = Vec3::new(-along.x, -along.y, along.z);
+        for (eye, light, expected) in [(along, along, 1.0), (along, back, 0.75), (back, along, 1.0)] {
+            assert!((lit(eye, light) - expected).abs() < 0.04, "{}", lit(eye, light));
+        }
+        assert_eq!(lobes.seen(0, -Vec3::Z).map(|s| s.0).iter().sum::<f32>(), 0.0);
+    }
+}

@@ -1,0 +1,134 @@
+//! Rays in the geometry of a texel: whether and where they meet a triangle.
+//!
+//! The triangles are copied, cell by cell, into blocks of four that are tested at once; a ray goes from cell to cell of
+//! one level.
+
+use glam::{IVec3, Vec3};
+use wide::f32x4;
+
+use crate::Level;
+use crate::voxelise::{Cells, Facet};
+
+const LANES: usize = 4;
+
+/// Four triangles, lane by lane. What is missing has no area.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    corner: [f32x4; 3],
+    sides: [[f32x4; 3]; 2],
+    ids: [u32; LANES],
+}
+
+impl Block {
+    fn new(facets: &[Facet], ids: impl Iterator<Item = usize>) -> Self {
+        let mut lanes = [[[0.0; LANES]; 3]; 3];
+        let mut names = [u32::MAX; LANES];
+        for (lane, id) in ids.take(LANES).enumerate() {
+            let [a, b, c] = facets[id].corners;
+            for (vector, of_lanes) in [a, b - a, c - a].into_iter().zip(&mut lanes) {
+                for axis in 0..3 {
+                    of_lanes[axis][lane] = vector[axis];
+                }
+            }
+            names[lane] = id as u32;
+        }
+        let [corner, ab, ac] = lanes.map(|vector| vector.map(f32x4::from));
+        Self { corner, sides: [ab, ac], ids: names }
+    }
+
+    /// Where the ray meets each triangle; infinite where it does not. [Möller97]
+    #[inline]
+    fn hits(&self, from: [f32x4; 3], d: [f32x4; 3]) -> f32x4 {
+        let [ab, ac] = self.sides;
+        let p = cross(d, ac);
+        // Without area, the inverse is infinite and what follows is NaN, which is within no bounds.
+        let inverse = f32x4::ONE / dot(ab, p);
+        let s = [0, 1, 2].map(|i| from[i] - self.corner[i]);
+        let q = cross(s, ab);
+        let [u, v] = [dot(s, p) * inverse, dot(d, q) * inverse];
+        let inside = u.simd_ge(f32x4::ZERO) & v.simd_ge(f32x4::ZERO) & (u + v).simd_le(f32x4::ONE);
+        inside.select(dot(ac, q) * inverse, f32x4::splat(f32::INFINITY))
+    }
+}
+
+#[inline]
+fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The geometry, to be asked by rays.
+pub(crate) struct Surroundings<'a> {
+    /// Its walk goes from cell to cell.
+    level: &'a Level,
+    blocks: Vec<Block>,
+    /// Where each cell's blocks begin, and the end.
+    starts: Vec<u32>,
+}
+
+impl<'a> Surroundings<'a> {
+    /// The facets listed in the cells of one level, and that level.
+    pub(crate) fn new(facets: &[Facet], cells: &Cells, level: &'a Level) -> Self {
+        let mut blocks = Vec::new();
+        let mut starts = Vec::with_capacity(cells.codes().len() + 1);
+        for cell in 0..cells.codes().len() {
+            starts.push(blocks.len() as u32);
+            let mut ids = cells.facets(cell);
+            while ids.len() > 0 {
+                blocks.push(Block::new(facets, ids.by_ref().take(LANES)));
+            }
+        }
+        starts.push(blocks.len() as u32);
+        Self { level, blocks, starts }
+    }
+
+    /// Where a segment (texel units) first meets a facet, as a part of it; infinite if it meets none.
+    pub(crate) fn first_hit(&self, from: Vec3, to: Vec3) -> f32 {
+        self.meet(None, from, to - from, [0.0, 1.0], 0.0)
+    }
+
+    /// How far from a point of the facet `own` a ray in the unit direction `d` first meets another one, in texel units;
+    /// infinite if it meets none within `far`. Which one it meets within `near` is of no interest.
+    pub(crate) fn distance(&self, own: usize, at: Vec3, d: Vec3, near: f32, far: f32) -> f32 {
+        /// What lies nearer than this part of the reach is the seam to a neighbour.
+        const NEAREST: f32 = 1e-4;
+        self.meet(Some(own as u32), at, d, [NEAREST * near, far], near)
+    }
+
+    /// The first hit in `range`, or any that is below `enough`; never with `own` itself, though with its copies.
+    fn meet(&self, own: Option<u32>, from: Vec3, d: Vec3, range: [f32; 2], enough: f32) -> f32 {
+        let size = self.level.resolution() as i32;
+        let scale = size as f32;
+        let log = size.trailing_zeros();
+        let [near, far] = range;
+        let along = d.to_array().map(f32x4::splat);
+        let mut first = far;
+        for step in self.level.walk(from * scale, (from + far * d) * scale) {
+            if first <= step.enter * far || first < enough {
+                break;
+            }
+            // Of periodic content, the cell's copy inside the tile holds the list.
+            let copy: IVec3 = step.cell >> log;
+            let origin = (from - copy.as_vec3()).to_array().map(f32x4::splat);
+            let own = own.filter(|_| copy == IVec3::ZERO).unwrap_or(u32::MAX);
+            let cell = step.voxel as usize;
+            for block in &self.blocks[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                let hits = block.hits(origin, along);
+                if !(hits.simd_ge(f32x4::splat(near)) & hits.simd_lt(f32x4::splat(first))).any() {
+                    continue;
+                }
+                let hits = hits.to_array();
+                for i in 0..LANES {
+                    if hits[i] > near && hits[i] < first && block.ids[i] != own {
+                        first = hits[i];
+                    }
+                }
+            }
+        }
+        if first < far { first } else { f32::INFINITY }
+    }
+}
