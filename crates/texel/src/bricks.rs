@@ -74,25 +74,54 @@ impl Bricks {
     /// From the Morton codes of the occupied cells, strictly ascending, below `resolution³`; `resolution` is a
     /// power of two.
     pub(crate) fn new(resolution: u32, codes: &[u32]) -> Self {
+        let occupied = codes.chunk_by(|a, b| a >> 9 == b >> 9).map(|cells| {
+            let mut words = [0; 8];
+            cells.iter().for_each(|code| words[(code >> 6 & 7) as usize] |= 1 << (code & 63));
+            (cells[0] >> 9, words)
+        });
+        Self::of_occupied(resolution, occupied)
+    }
+
+    /// From the Morton codes of the bricks that hold something, ascending, each with its occupancy.
+    fn of_occupied(resolution: u32, occupied: impl Iterator<Item = (u32, [u64; 8])>) -> Self {
         let side = (resolution / 8).max(1) as usize;
         let mut bricks: Vec<Brick> = Vec::new();
         let mut coarse = vec![EMPTY; side * side * side];
-        let mut last = None;
-        for (voxel, &code) in codes.iter().enumerate() {
-            if last != Some(code >> 9) {
-                last = Some(code >> 9);
-                let [x, y, z] = demorton(code >> 9).map(|v| v as usize);
-                coarse[x + side * (y + side * z)] = bricks.len() as u32;
-                bricks.push(Brick { words: [0; 8], first: [voxel as u32; 8] });
-            }
-            if let Some(brick) = bricks.last_mut() {
-                let word = (code >> 6 & 7) as usize;
-                brick.words[word] |= 1 << (code & 63);
-                brick.first[word + 1..].fill(voxel as u32 + 1);
-            }
+        let mut len = 0;
+        for (code, words) in occupied {
+            let [x, y, z] = demorton(code).map(|v| v as usize);
+            coarse[x + side * (y + side * z)] = bricks.len() as u32;
+            let first = words.map(|word| {
+                let first = len;
+                len += word.count_ones();
+                first
+            });
+            bricks.push(Brick { words, first });
         }
         grow_empty_cubes(&mut coarse, side);
-        Self { resolution, len: codes.len() as u32, coarse, bricks }
+        Self { resolution, len, coarse, bricks }
+    }
+
+    /// The Morton code of each brick and its occupancy.
+    pub(crate) fn occupied(&self) -> impl ExactSizeIterator<Item = (u32, [u64; 8])> + '_ {
+        let origins = self.origins();
+        self.bricks.iter().zip(origins).map(|(brick, origin)| (morton(origin), brick.words))
+    }
+
+    /// From what [`occupied`](Self::occupied) gave, or what is wrong with it.
+    pub(crate) fn from_occupied(resolution: u32, occupied: &[(u32, [u64; 8])]) -> Result<Self, &'static str> {
+        let side = (resolution / 8).max(1);
+        let ascending = occupied.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        if !ascending || occupied.last().is_some_and(|&(code, _)| code >= side.pow(3)) {
+            return Err("has bricks out of order");
+        }
+        // Of a small level only the first cells of its one brick exist.
+        let cells = |words: &[u64; 8]| (0..8).rev().find_map(|w| words[w].checked_ilog2().map(|b| 64 * w as u32 + b));
+        match occupied.iter().map(|(_, words)| cells(words)).find(|last| last.is_none_or(|l| l >= resolution.pow(3))) {
+            Some(None) => Err("has an empty brick"),
+            Some(Some(_)) => Err("has cells outside of itself"),
+            None => Ok(Self::of_occupied(resolution, occupied.iter().copied())),
+        }
     }
 
     /// Cells a side.
@@ -134,22 +163,26 @@ impl Bricks {
 
     /// The occupied cells, in the order of their voxels.
     pub(crate) fn cells(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.bricks.iter().zip(self.origins()).flat_map(|(brick, origin)| {
+            (0..512_u32).filter(|&bit| brick.words[(bit >> 6) as usize] >> (bit & 63) & 1 == 1).map(
+                move |bit| {
+                    let inside = demorton(bit);
+                    std::array::from_fn(|axis| 8 * origin[axis] + inside[axis])
+                },
+            )
+        })
+    }
+
+    /// Where each brick stands, in bricks.
+    fn origins(&self) -> Vec<[u32; 3]> {
         let side = (self.resolution as usize / 8).max(1);
         let mut origins = vec![[0; 3]; self.bricks.len()];
         for (at, &entry) in self.coarse.iter().enumerate() {
             if entry & EMPTY == 0 {
-                let origin = [at % side, at / side % side, at / side / side];
-                origins[entry as usize] = origin.map(|v| 8 * v as u32);
+                origins[entry as usize] = [at % side, at / side % side, at / side / side].map(|v| v as u32);
             }
         }
-        self.bricks.iter().zip(origins).flat_map(|(brick, origin)| {
-            (0..512_u32).filter(|&bit| brick.words[(bit >> 6) as usize] >> (bit & 63) & 1 == 1).map(
-                move |bit| {
-                    let inside = demorton(bit);
-                    [origin[0] + inside[0], origin[1] + inside[1], origin[2] + inside[2]]
-                },
-            )
-        })
+        origins
     }
 
     /// What does not fit, if anything: ranks, the size of the lists, empty cubes that are not empty.

@@ -21,7 +21,6 @@ use rayon::prelude::*;
 
 use crate::Level;
 use crate::coverage::{SIXTEEN, Sight, fit};
-use crate::exposure::Surroundings;
 use crate::packed::Packed;
 use crate::random::Random;
 
@@ -36,7 +35,14 @@ pub(crate) struct Sightline {
 
 impl Sightline {
     /// `count` sightlines from above, all slopes alike, and where they end.
-    pub(crate) fn cast(scene: &Surroundings, count: usize, periodic: bool) -> Vec<Self> {
+    ///
+    /// `first_hit` says where the content stops the `i`-th of them, from one point to another, as a part of the way;
+    /// infinite where it passes.
+    pub(crate) fn cast(
+        count: usize,
+        periodic: bool,
+        first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync,
+    ) -> Vec<Self> {
         (0..count)
             .into_par_iter()
             .map(|i| {
@@ -58,7 +64,7 @@ impl Sightline {
                     let middle = start.extend(random.unit());
                     (middle - 2.0 * down, middle + 2.0 * down)
                 };
-                Self { from, to, hit: scene.first_hit(from, to) }
+                Self { from, to, hit: first_hit(i, from, to) }
             })
             .collect()
     }

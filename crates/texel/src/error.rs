@@ -75,6 +75,12 @@ pub enum TexelError {
         /// What does not fit.
         what: &'static str,
     },
+    /// A number of the material is not in `[0, 1]`.
+    #[error("{field} is not in [0, 1]")]
+    Material {
+        /// Which field of [`Texel`](crate::Texel).
+        field: &'static str,
+    },
     /// A cell is occupied and none of its children is, or the reverse.
     #[error("level {level}: cell ({}, {}, {}) and its children disagree on being occupied", cell[0], cell[1], cell[2])]
     Orphan {

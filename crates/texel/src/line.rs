@@ -2,7 +2,42 @@
 
 use glam::{IVec3, Vec3};
 
+use crate::compact::CompactView;
 use crate::packed::Packed;
+
+/// Where the matter of a voxel lies and how dense it is, unpacked piece by piece.
+pub(crate) trait Matter {
+    /// The corners of the tight box.
+    fn region_box(&self) -> [Vec3; 2];
+    /// The slab's normal and its two distances.
+    fn region_slab(&self) -> (Vec3, [f32; 2]);
+    /// Depth a step `d`.
+    fn depth_per_step(&self, d: Vec3) -> f32;
+}
+
+/// Implements [`Matter`] by the methods of the same names.
+macro_rules! matter {
+    ($($type:ty),+) => {$(
+        impl Matter for $type {
+            #[inline]
+            fn region_box(&self) -> [Vec3; 2] {
+                Self::region_box(self)
+            }
+
+            #[inline]
+            fn region_slab(&self) -> (Vec3, [f32; 2]) {
+                Self::region_slab(self)
+            }
+
+            #[inline]
+            fn depth_per_step(&self, d: Vec3) -> f32 {
+                Self::depth_per_step(self, d)
+            }
+        }
+    )+};
+}
+
+matter!(Packed, CompactView<'_>);
 
 /// A line through a level, prepared to be asked of many voxels.
 #[derive(Clone, Copy, Debug)]
@@ -40,16 +75,16 @@ impl Line {
     /// The part of `range` inside the matter of the voxel in `cell`, with its depth; `None` where that is nothing.
     /// The same as [`Voxel::clip`](crate::Voxel::clip) and [`depth_per_step`](crate::Voxel::depth_per_step).
     #[inline]
-    pub(crate) fn cross(&self, packed: &Packed, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
+    pub(crate) fn cross(&self, matter: &impl Matter, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
         let p = self.from - cell.as_vec3();
-        let [lo, hi] = packed.region_box();
+        let [lo, hi] = matter.region_box();
         let (a, b) = ((lo - p) * self.inverse, (hi - p) * self.inverse);
         let enter = a.min(b).max_element().max(range[0]);
         let leave = a.max(b).min_element().min(range[1]);
         if enter >= leave {
             return None;
         }
-        let (normal, [low, high]) = packed.region_slab();
+        let (normal, [low, high]) = matter.region_slab();
         let (height, speed) = (normal.dot(p), normal.dot(self.step));
         let (mut enter, mut leave) = (enter, leave);
         if speed.abs() < 1e-12 {
@@ -66,7 +101,7 @@ impl Line {
                 return None;
             }
         }
-        let depth = packed.sigma().quadratic(self.step).max(0.0).sqrt() * (leave - enter);
+        let depth = matter.depth_per_step(self.step) * (leave - enter);
         (depth > 0.0).then_some(Crossing { range: [enter, leave], depth })
     }
 }

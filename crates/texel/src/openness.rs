@@ -1,52 +1,33 @@
 //! Openness: how much of the light from around reaches a voxel, for ambient light.
 //!
 //! Walked through the frozen levels, from each voxel's middle in a few directions spread over the upper
-//! hemisphere by their cosine. It varies slowly, so fine voxels look through a coarser level.
+//! hemisphere by their cosine. It varies slowly, so fine voxels have that of an ancestor.
 
 use core::f32::consts::PI;
 
-use glam::{IVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use crate::{Level, Surfel, Texel};
+use crate::{Level, Texel};
 
 /// How many directions stand for the hemisphere.
 const DIRECTIONS: usize = 6;
 
-/// The level that finer voxels look through.
-const COARSE: usize = 5;
-
-/// The level whose openness finer voxels take over.
-const FINEST: usize = 5;
-
-/// Sets the openness of every voxel of every level.
-pub(crate) fn fill(texel: &mut Texel) {
+/// Sets the openness of the voxels of the levels up to `finest`, from what is further than `reach` of a level: what is
+/// nearer is known there.
+pub(crate) fn fill(texel: &mut Texel, finest: u32, reach: impl Fn(u32) -> f32 + Sync) {
     let directions = directions();
-    let all = (0..texel.levels().len().min(FINEST + 1)).map(|l| {
-        let through = &texel.levels()[l.min(COARSE)];
-        let level = &texel.levels()[l];
+    for (l, level) in (0..=finest).zip(texel.levels_mut()) {
+        let near = reach(l);
         let cells: Vec<[u32; 3]> = level.cells().collect();
         let scale = 1.0 / level.resolution() as f32;
         let open = cells.par_iter().map(|cell| {
             let middle = (Vec3::from_array(cell.map(|c| c as f32)) + 0.5) * scale;
-            directions.iter().map(|&d| unblocked(through, middle, d, Surfel::reach(scale))).sum::<f32>()
-                / DIRECTIONS as f32
+            let open = directions.iter().map(|&d| unblocked(level, middle, d, near));
+            (255.0 * open.sum::<f32>() / DIRECTIONS as f32).round() as u8
         });
-        open.collect::<Vec<f32>>()
-    });
-    let mut all: Vec<Vec<f32>> = all.collect();
-    for l in FINEST + 1..texel.levels().len() {
-        let parents = &texel.levels()[FINEST];
-        let parent = |cell: [u32; 3]| IVec3::from_array(cell.map(|c| (c >> (l - FINEST)) as i32));
-        let open = texel.levels()[l].cells().map(|cell| parents.find(parent(cell)));
-        // Every voxel has an ancestor; 1 would stand for a clear sky.
-        let open = open.map(|ancestor| ancestor.map_or(1.0, |voxel| all[FINEST][voxel as usize]));
-        all.push(open.collect());
-    }
-    for (level, open) in texel.levels_mut().iter_mut().zip(all) {
-        for (voxel, open) in level.voxels_mut().iter_mut().zip(open) {
-            voxel.set_openness(open);
-        }
+        let open = open.collect();
+        level.set_openness(open);
     }
 }
 

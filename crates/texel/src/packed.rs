@@ -7,7 +7,7 @@
 //!      20  lo, hi    6 × u8    1/255, rounded outwards
 //!      26  albedo    3 × u8    square roots, 1/255
 //!      29  exponent  u8        of sigma, biased as in an f32
-//!      30  openness  u8        1/255
+//!      30  zero      u8 × 2
 //! ```
 //!
 //! The region is snapped to what can be stored before opacity is measured in it (see [`Region`]), so rounding
@@ -31,7 +31,6 @@ pub(crate) struct Packed {
     hi: [u8; 3],
     albedo: [u8; 3],
     exponent: u8,
-    openness: u8,
 }
 
 const SQRT_3: f32 = 1.732_050_8;
@@ -53,7 +52,6 @@ impl Packed {
             hi: bytes(voxel.hi),
             albedo: bytes(voxel.albedo.map(f32::sqrt)),
             exponent,
-            openness: (255.0 * voxel.openness).round() as u8,
         }
     }
 
@@ -69,7 +67,6 @@ impl Packed {
             slab_normal,
             slab,
             albedo: root * root,
-            openness: f32::from(self.openness) * (1.0 / 255.0),
         }
     }
 
@@ -92,9 +89,50 @@ impl Packed {
         Symmetric3 { xx, yy, zz, xy, xz, yz }
     }
 
-    pub(crate) fn set_openness(&mut self, openness: f32) {
-        self.openness = (255.0 * openness).round() as u8;
+    /// Depth a step `d`.
+    #[inline]
+    pub(crate) fn depth_per_step(&self, d: Vec3) -> f32 {
+        self.sigma().quadratic(d).max(0.0).sqrt()
     }
+
+    /// The slab's normal, octahedral.
+    pub(crate) fn normal(&self) -> [i16; 2] {
+        self.normal
+    }
+
+    /// Square roots of the albedo, 1/255.
+    pub(crate) fn albedo(&self) -> [u8; 3] {
+        self.albedo
+    }
+
+    /// Its bytes as they are drawn above, little endian.
+    pub(crate) fn to_bytes(&self) -> [u8; 32] {
+        let mut bytes = [0; 32];
+        let pairs = self.sigma.into_iter().chain(self.normal).map(i16::to_le_bytes);
+        let pairs = pairs.chain(self.slab.map(u16::to_le_bytes));
+        bytes.chunks_exact_mut(2).zip(pairs).for_each(|(bytes, pair)| bytes.copy_from_slice(&pair));
+        bytes[20..23].copy_from_slice(&self.lo);
+        bytes[23..26].copy_from_slice(&self.hi);
+        bytes[26..29].copy_from_slice(&self.albedo);
+        bytes[29] = self.exponent;
+        bytes
+    }
+
+    /// What [`to_bytes`](Self::to_bytes) made bytes of.
+    pub(crate) fn from_bytes(bytes: [u8; 32]) -> Self {
+        let signed = |at: usize| i16::from_le_bytes([bytes[at], bytes[at + 1]]);
+        let three = |at: usize| [bytes[at], bytes[at + 1], bytes[at + 2]];
+        Self {
+            sigma: std::array::from_fn(|i| signed(2 * i)),
+            normal: [signed(12), signed(14)],
+            slab: [signed(16), signed(18)].map(i16::cast_unsigned),
+            lo: three(20),
+            hi: three(23),
+            albedo: three(26),
+            exponent: bytes[29],
+        }
+    }
+
 }
 
 /// Numbers in `[0, 1]` as bytes.
@@ -131,7 +169,7 @@ pub(crate) fn normal(square: [i16; 2]) -> Vec3 {
 
 /// Swaps the octahedron's upper half with the corners of the square.
 #[inline]
-fn fold(p: Vec2) -> Vec2 {
+pub(crate) fn fold(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.y))
 }
 
@@ -187,7 +225,6 @@ mod tests {
                 slab_normal: snapped_normal(n.normalize()),
                 slab: snapped_slab([-0.3, -0.3 + numbers[0]]),
                 albedo: Vec3::from_array(numbers),
-                openness: numbers[2],
             };
             prop_assert!((voxel.slab_normal - n.normalize()).length() < 1e-4);
             prop_assert!(lo.cmple(Vec3::from_array(low) + 1e-5).all());
@@ -201,7 +238,6 @@ mod tests {
             prop_assert!((back.slab[0] - voxel.slab[0]).abs() < 1e-6 && (back.slab[1] - voxel.slab[1]).abs() < 1e-6);
             // Half a step of a square root: at most 1/255 of the whole.
             prop_assert!((back.albedo - voxel.albedo).abs().max_element() < 1.0 / 250.0);
-            prop_assert!((back.openness - voxel.openness).abs() < 0.002);
             // Packing again changes nothing.
             prop_assert_eq!(Packed::new(&back), Packed::new(&voxel));
         }

@@ -5,7 +5,6 @@
 //! | Σ | opacity: a step d inside the region has optical depth sqrt(dᵀΣd) | voxel edge⁻² |
 //! | box, slab | where the matter lies; only there is a voxel traversed | voxel edge |
 //! | albedo | mean colour of what is visible in it | linear, `[0, 1]` |
-//! | openness | how much of the upper hemisphere it sees | none |
 //!
 //! The region decides the picture more than anything else: a voxel is not a cube of fog.
 
@@ -28,8 +27,6 @@ pub struct Voxel {
     pub slab: [f32; 2],
     /// Mean linear colour of what is visible.
     pub albedo: Vec3,
-    /// Fraction of the cosine-weighted upper hemisphere (around +w) that is not blocked, 0 to 1.
-    pub openness: f32,
 }
 
 impl Voxel {
@@ -46,7 +43,6 @@ impl Voxel {
             slab_normal: Vec3::Z,
             slab: [0.0, 1.0],
             albedo: Vec3::ZERO,
-            openness: 1.0,
         }
     }
 
@@ -78,7 +74,6 @@ impl Voxel {
             ("slab_normal", (self.slab_normal.length() - 1.0).abs() < 1e-3),
             ("slab", self.slab[0] < self.slab[1] && self.slab[1].is_finite() && self.slab[0].is_finite()),
             ("albedo", all(self.albedo)),
-            ("openness", unit(self.openness)),
         ];
         checks.into_iter().find(|(_, sound)| !sound).map(|(field, _)| field)
     }

@@ -230,7 +230,8 @@ fn the_top_is_open_and_the_roots_are_not() {
     let level = texel.level(5);
     let mean = |low: u32, high: u32| {
         let cells = level.cells().enumerate().filter(|(_, cell)| (low..high).contains(&cell[2]));
-        let open: Vec<f32> = cells.map(|(i, _)| level.voxel(i as u32).openness).collect();
+        let signed = |cell: [u32; 3]| IVec3::from_array(cell.map(|c| c as i32));
+        let open: Vec<f32> = cells.map(|(_, cell)| texel.openness(5, signed(cell))).collect();
         open.iter().sum::<f32>() / open.len() as f32
     };
     let highest = level.cells().map(|cell| cell[2]).max().unwrap();

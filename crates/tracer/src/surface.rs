@@ -210,7 +210,7 @@ mod tests {
             Face::quad([v(i, j), v(i, j + 1), v(i + 1, j + 1), v(i + 1, j)], MaterialId(0))
         };
         let faces = (0..n * n).map(|k| quad(k % n, k / n)).collect();
-        let mesh = Mesh { name: "sheet".into(), positions, faces, uvs: None, normals: None };
+        let mesh = Mesh { name: "sheet".into(), positions, faces, ..Mesh::default() };
         let surfaces = Surfaces::new(std::slice::from_ref(&mesh));
         let mut hits = 0;
         for k in 0..20_000_u32 {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DMat2, DVec2, DVec3, Vec3, Vec3A};
+use glam::{DMat2, DMat3, DVec2, DVec3, Vec3, Vec3A};
 use pelage_geom::{DTrilinear, Hexahedron};
 use pelage_skin::Lattice;
 
@@ -25,6 +25,8 @@ pub(super) struct Carrier {
     lattice_origin: DVec2,
     /// From texel coordinates, less the origin, to box coordinates.
     to_box: DMat2,
+    /// Back from them.
+    to_texel: DMat2,
     /// Bounds of |∂²T/∂u∂v|, |∂²T/∂u∂w| and |∂²T/∂v∂w|, in scene units.
     bends: DVec3,
     /// How far a carried triangle may be from its curved image, in scene units.
@@ -81,6 +83,7 @@ impl Carrier {
             tolerance: tolerance.max(Self::FINEST * radius),
             prism: hexahedron.is_prism(),
             to_box: to_texel.inverse(),
+            to_texel,
             centre,
             radius,
             map,
@@ -96,9 +99,30 @@ impl Carrier {
     }
 
     /// Box coordinates of a point of a copy.
-    fn in_box(&self, copy: [i32; 2], p: DVec3) -> DVec3 {
+    pub(super) fn in_box(&self, copy: [i32; 2], p: DVec3) -> DVec3 {
         let copy = DVec2::new(f64::from(copy[0]), f64::from(copy[1]));
         (self.to_box * (p.truncate() + copy - self.lattice_origin)).extend(p.z)
+    }
+
+    /// Texel coordinates of a point of the box, in a copy.
+    pub(super) fn in_texel(&self, copy: [i32; 2], u: DVec3) -> DVec3 {
+        let copy = DVec2::new(f64::from(copy[0]), f64::from(copy[1]));
+        (self.to_texel * u.truncate() + self.lattice_origin - copy).extend(u.z)
+    }
+
+    /// Whether box coordinates lie in the box.
+    pub(super) fn holds(&self, u: DVec3) -> bool {
+        let far = if self.prism { u.x + u.y } else { u.max_element() };
+        u.cmpge(DVec3::ZERO).all() && far <= 1.0 && u.z <= 1.0
+    }
+
+    /// What a step along each texel axis moves in the scene, at box coordinates: T is linear along each box coordinate,
+    /// so differences from end to end are exact.
+    pub(super) fn tangents(&self, u: DVec3) -> DMat3 {
+        let [along_u, along_v, along_w] =
+            [0, 1, 2].map(|axis| self.point(with(u, axis, 1.0)) - self.point(with(u, axis, 0.0)));
+        let [s, t] = [self.to_box.x_axis, self.to_box.y_axis].map(|step| step.x * along_u + step.y * along_v);
+        DMat3::from_cols(s, t, along_w)
     }
 
     /// The unit normal, either side, of the curved image of a triangle of a copy at box coordinates; `None` where the
@@ -205,6 +229,12 @@ impl Carrier {
         let d = (b - a).abs();
         0.25 * DVec3::new(d.x * d.y, d.x * d.z, d.y * d.z).dot(self.bends)
     }
+}
+
+/// A point with one coordinate set.
+fn with(mut u: DVec3, axis: usize, value: f64) -> DVec3 {
+    u[axis] = value;
+    u
 }
 
 #[cfg(test)]

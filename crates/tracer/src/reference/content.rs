@@ -1,10 +1,11 @@
-//! The explicit content of a texel: its triangles, cut to one tile.
+//! The explicit content of a texel: its triangles, cut to one tile, or its density.
 
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
 use pelage_texel::{Geometry, Texel};
 
+use super::medium::Medium;
 use super::polygon::{Polygon, doubled_area};
 use crate::accel::Tree;
 
@@ -76,6 +77,30 @@ fn is_inside(corners: &[DVec3; 3]) -> bool {
     corners.iter().all(|p| p.cmpge(DVec3::ZERO).all() && p.cmple(DVec3::ONE).all())
 }
 
+/// What the boxes of a coat hold.
+pub(super) enum Filling {
+    Triangles(Content),
+    Density(Medium),
+}
+
+impl Filling {
+    /// Whether it repeats in s and t.
+    pub(super) fn is_periodic(&self) -> bool {
+        match self {
+            Self::Triangles(content) => content.periodic,
+            Self::Density(medium) => medium.periodic,
+        }
+    }
+
+    /// Bytes held.
+    pub(super) fn memory(&self) -> u64 {
+        match self {
+            Self::Triangles(content) => content.memory(),
+            Self::Density(medium) => medium.memory(),
+        }
+    }
+}
+
 /// Why there is no explicit content.
 #[derive(Debug)]
 pub(super) enum Missing {
@@ -86,8 +111,6 @@ pub(super) enum Missing {
 }
 
 /// The triangles that a texel was made from.
-///
-/// A texel of density, without geometry, would be marched instead: this is where the two would part.
 pub(super) fn geometry_of(texel: &Texel) -> Result<Arc<Geometry>, Missing> {
     let geometry = texel.source().geometry().ok_or(Missing::Source)?;
     geometry.validate().map_err(|error| Missing::Unsound(error.to_string()))?;

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::carrier::Carrier;
-use super::content::Piece;
+use super::content::{Filling, Piece};
 use super::world::World;
 use super::{Fineness, ReferenceError, ReferenceSettings};
 use crate::Scene;
@@ -48,8 +48,13 @@ impl<'a> Expansion<'a> {
     /// content.
     ///
     /// # Errors
-    /// Texels without source, or whose source is not sound.
+    /// Texels without source, whose source is not sound, or that are densities.
     pub fn new(scene: &'a Scene, fineness: Fineness) -> Result<Self, ReferenceError> {
+        let density = scene.coats.iter().position(|coat| coat.texel.source().density().is_some());
+        if let Some(coat) = density {
+            let texel = scene.coats[coat].texel.name.clone();
+            return Err(ReferenceError::Density { coat, texel });
+        }
         let world = World::new(scene, fineness, ReferenceSettings::default().memory)?;
         let mut parts = Vec::new();
         for (coat, boxes) in scene.boxes_of_coats().enumerate() {
@@ -116,7 +121,7 @@ struct Copied<'a> {
 
 /// Visits the flat triangles of a box, in box coordinates.
 fn visit_box(world: &World, patch: u32, visit: &mut dyn FnMut(Copied, &Carrier, &[DVec3; 3])) {
-    let (content, carrier) = world.filled(patch);
+    let (Filling::Triangles(content), carrier) = world.filled(patch) else { return };
     let mut open = Vec::new();
     for t in carrier.copies[1].clone() {
         for s in carrier.copies[0].clone() {

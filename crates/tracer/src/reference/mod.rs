@@ -1,7 +1,7 @@
 //! The reference renderer: what the cone tracer's pictures are judged by.
 //!
 //! It shows the triangles that a texel was made from, carried into every box by the trilinear map T, and lit by shadow
-//! rays. It has nothing of the cone tracer but the scene, T, the opaque meshes and the material: no voxel, level, wall,
+//! rays; of a texel that is a density, the points at which rays through its image are stopped. It has nothing of the cone tracer but the scene, T, the opaque meshes and the material: no voxel, level, wall,
 //! inverse, Jacobian or ellipsoid. What both show alike is therefore no common mistake. It is slow, and noisy at few
 //! samples; its noise is white within a pixel's samples and independent between [seeds](ReferenceSettings::seed).
 //!
@@ -14,6 +14,7 @@ mod carrier;
 mod content;
 mod expand;
 mod fineness;
+mod medium;
 mod polygon;
 mod sample;
 mod shade;
@@ -32,7 +33,7 @@ use crate::{Camera, Environment, Film, Light, Pixel, Progress, Rect, RenderError
 
 pub use expand::{Carried, Expansion, Part};
 pub use fineness::Fineness;
-use sample::{Points, Use};
+use sample::{Points, Use, flight};
 use shade::{Seen, Shader, look};
 use stream::{Query, Stream};
 use world::World;
@@ -106,6 +107,14 @@ pub enum ReferenceError {
         texel: String,
         /// What is wrong.
         reason: String,
+    },
+    /// A texel is a density: there are no triangles of it.
+    #[error("coat {coat}: the texel `{texel}` is a density: it has no triangles")]
+    Density {
+        /// Which coat.
+        coat: usize,
+        /// What the texel is called.
+        texel: String,
     },
     /// The explicit content is larger than the memory it may take.
     #[error("the explicit content of the texels takes at least {needed} bytes; {memory} are allowed")]
@@ -267,7 +276,8 @@ fn render_tile(
                 let point = Points::new(pixel, settings.seed, Use::Pixel).get(sample);
                 let corner = Vec2::new(pixel[0] as f32, pixel[1] as f32);
                 let (ray, _) = camera.cone(corner + point, settings.size);
-                queries.push(Query { ray, end: f64::INFINITY, hit: None });
+                let flight = flight(pixel, settings.seed, Use::Pixel, sample);
+                queries.push(Query { ray, end: f64::INFINITY, flight, hit: None });
             }
         }
         let seen: Vec<Seen> = look(world, stream, queries, &pixels, samples);

@@ -38,6 +38,12 @@ impl Points {
     }
 }
 
+/// What the free flight of one ray through densities is drawn from: of its own for each use, sample, pixel and set.
+pub(super) fn flight(pixel: [u32; 2], seed: u32, which: Use, sample: u32) -> u64 {
+    let points = Points::new(pixel, seed, which).seed;
+    u64::from(points) << 32 | u64::from(sample)
+}
+
 /// A bijection of 32 bits in which every bit depends on all: two rounds of multiply and shift. [Wellons18]
 fn mix(mut x: u32) -> u32 {
     x = x.wrapping_add(0x9e37_79b9);

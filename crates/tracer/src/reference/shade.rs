@@ -6,8 +6,10 @@ use glam::{DVec3, Vec3};
 use pelage_geom::{Material, Ray, material::exponent_of_roughness};
 
 use super::Lighting;
-use super::sample::{Points, Use, cosine_around, towards_disk};
-use super::stream::{Hit, Query, Stream};
+use super::sample::{Points, Use, cosine_around, flight, towards_disk};
+use super::content::Filling;
+use super::medium;
+use super::stream::{Hit, Met, Query, Stream};
 use super::world::World;
 use crate::Camera;
 use crate::cone::shade::reflection;
@@ -38,24 +40,36 @@ impl Seen {
     pub(super) fn content(world: &World, ray: &Ray, hit: &Hit, pixel: [u32; 2], sample: u32) -> Self {
         let scene = world.scene;
         let (coat, _) = scene.patch(hit.patch);
-        let (content, carrier) = world.filled(hit.patch);
-        let piece = &content.pieces[hit.piece as usize];
+        let (filling, carrier) = world.filled(hit.patch);
         let view = -ray.direction.as_vec3();
-        let facing = |n: Vec3, to: Vec3| if n.dot(to) < 0.0 { -n } else { n };
-        let flat = facing(hit.flat.normalize_or(view), view);
-        let normal = facing(carrier.normal(hit.at, hit.copy, &piece.corners).unwrap_or(flat), flat);
-
         let point = ray.at(hit.t);
+        let (normal, flat, color, off) = match (filling, hit.met) {
+            (Filling::Triangles(content), Met::Triangle { piece, flat }) => {
+                let piece = &content.pieces[piece as usize];
+                let facing = |n: Vec3, to: Vec3| if n.dot(to) < 0.0 { -n } else { n };
+                let flat = facing(flat.normalize_or(view), view);
+                let normal = facing(carrier.normal(hit.at, hit.copy, &piece.corners).unwrap_or(flat), flat);
+                // Triangles are exact in the box's frame: off them by what rounding in the scene may amount to.
+                (normal, flat, piece.color, 1e-8 * carrier.radius + scene.rounding())
+            }
+            // A density is lit on the side of its normal, from wherever it is seen, and has no surface to be off.
+            (Filling::Density(medium), _) => {
+                let normal = medium::normal(medium, &carrier, hit.copy, hit.at);
+                let color = medium.density.color(carrier.in_texel(hit.copy, hit.at));
+                (normal, normal, color, 0.0)
+            }
+            // No ray meets triangles in a density, or the reverse.
+            (Filling::Triangles(_), Met::Density) => (view, view, Vec3::ZERO, 0.0),
+        };
         Self {
             pixel,
             sample,
             point,
-            // Triangles are exact in the box's frame: off them by what rounding in the scene may amount to.
-            lifted: point + (1e-8 * carrier.radius + scene.rounding()) * flat.as_dvec3(),
+            lifted: point + off * flat.as_dvec3(),
             view,
             normal,
             flat,
-            albedo: piece.color * world.worn(hit.patch, hit.at),
+            albedo: color * world.worn(hit.patch, hit.at),
             specular: coat.texel.specular,
             exponent: exponent_of_roughness(coat.texel.roughness),
             emissive: Vec3::ZERO,
@@ -122,13 +136,9 @@ impl Shader {
                 let point = Points::new(s.pixel, seed, Use::Sky).get(s.sample);
                 let direction = cosine_around(s.normal, point);
                 if s.flat.dot(direction) > 0.0 {
-                    self.ask(
-                        i,
-                        s.lifted,
-                        direction,
-                        f64::INFINITY,
-                        s.albedo * lighting.environment.radiance(direction),
-                    );
+                    let brought = s.albedo * lighting.environment.radiance(direction);
+                    let flight = flight(s.pixel, seed, Use::Sky, s.sample);
+                    self.ask((i, s), direction, f64::INFINITY, flight, brought);
                 }
             }
             self.collect(world, stream, true, &mut radiance);
@@ -147,7 +157,8 @@ impl Shader {
                 let reflected = reflection(s.albedo, s.specular, s.exponent, s.normal, direction, half);
                 if reflected != Vec3::ZERO {
                     let end = f64::from(incoming.distance * towards.length());
-                    self.ask(i, s.lifted, direction, end, incoming.irradiance * reflected);
+                    let flight = flight(s.pixel, seed, Use::Light(number), s.sample);
+                    self.ask((i, s), direction, end, flight, incoming.irradiance * reflected);
                 }
             }
             self.collect(world, stream, shadows, &mut radiance);
@@ -160,10 +171,10 @@ impl Shader {
         self.brought.clear();
     }
 
-    fn ask(&mut self, seen: usize, origin: DVec3, direction: Vec3, end: f64, brought: Vec3) {
-        let ray = Ray { origin, direction: direction.as_dvec3().normalize() };
-        self.queries.push(Query { ray, end, hit: None });
-        self.brought.push((seen as u32, brought));
+    fn ask(&mut self, (i, s): (usize, &Seen), direction: Vec3, end: f64, flight: u64, brought: Vec3) {
+        let ray = Ray { origin: s.lifted, direction: direction.as_dvec3().normalize() };
+        self.queries.push(Query { ray, end, flight, hit: None });
+        self.brought.push((i as u32, brought));
     }
 
     /// Adds what the shadow rays bring where nothing is in their way.

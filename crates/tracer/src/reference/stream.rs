@@ -11,7 +11,8 @@ use glam::{DVec3, Vec3, Vec3A};
 use pelage_geom::Ray;
 
 use super::carrier::{Carrier, Copies};
-use super::content::Content;
+use super::content::{Content, Filling};
+use super::medium::{Cell, Image, Medium, Random};
 use super::world::World;
 use crate::surface::intersect;
 
@@ -20,6 +21,8 @@ pub(super) struct Query {
     pub ray: Ray,
     /// In scene units; anything beyond is not asked for.
     pub end: f64,
+    /// What its free flight through densities is drawn from.
+    pub flight: u64,
     pub hit: Option<Hit>,
 }
 
@@ -30,18 +33,31 @@ pub(super) struct Hit {
     pub t: f64,
     pub patch: u32,
     pub copy: [i32; 2],
-    /// Which piece of the texel's content.
-    pub piece: u32,
     /// Where, in box coordinates.
     pub at: DVec3,
-    /// Across the triangle that was met, in the scene; any length, either side.
-    pub flat: Vec3,
+    pub met: Met,
+}
+
+/// What of the content a ray meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Met {
+    Triangle {
+        /// Which piece of the texel's content.
+        piece: u32,
+        /// Across the triangle, in the scene; any length, either side.
+        flat: Vec3,
+    },
+    Density,
 }
 
 impl Hit {
     /// Of several at one distance the first by this counts, whatever the order in which they were found.
     fn order(&self) -> (u32, [i32; 2], u32) {
-        (self.patch, self.copy, self.piece)
+        let piece = match self.met {
+            Met::Triangle { piece, .. } => piece,
+            Met::Density => 0,
+        };
+        (self.patch, self.copy, piece)
     }
 }
 
@@ -77,6 +93,14 @@ impl Slab {
         // Some units in the last place, for the roundings of the three products.
         let far = a.max(b).min_element() * (1.0 + 8.0 * f32::EPSILON);
         near <= far.min(self.end)
+    }
+
+    /// From where to where the ray is in bounds that it meets, at most.
+    fn span(&self, [lo, hi]: &[Vec3A; 2]) -> [f64; 2] {
+        let (a, b) = ((*lo - self.origin) * self.inverse, (*hi - self.origin) * self.inverse);
+        let near = a.min(b).max_element() * (1.0 - 8.0 * f32::EPSILON);
+        let far = a.max(b).min_element() * (1.0 + 8.0 * f32::EPSILON);
+        [f64::from(near.max(0.0)), f64::from(far.min(self.end))]
     }
 }
 
@@ -142,8 +166,8 @@ impl Stream {
 
     /// Sends the rays of `list` through a box.
     fn enter(&mut self, world: &World, queries: &mut [Query], any: bool, patch: u32, list: Range<usize>) {
-        let (content, carrier) = world.filled(patch);
-        if content.tree.nodes.is_empty() {
+        let (filling, carrier) = world.filled(patch);
+        if matches!(filling, Filling::Triangles(content) if content.tree.nodes.is_empty()) {
             return;
         }
         self.inside.clear();
@@ -161,7 +185,7 @@ impl Stream {
         }
         self.inside_lists.extend(0..self.inside.len() as u32);
         let mut box_ = InBox {
-            content,
+            filling,
             carrier: &carrier,
             patch,
             any,
@@ -181,7 +205,7 @@ impl Stream {
 
 /// The rays in one box, on their way down the tree of its texel.
 struct InBox<'a> {
-    content: &'a Content,
+    filling: &'a Filling,
     carrier: &'a Carrier,
     patch: u32,
     any: bool,
@@ -209,7 +233,11 @@ impl InBox<'_> {
         let kept = keep(self.slabs, self.lists, list, &bounds);
         if !kept.is_empty() {
             if counts == [1, 1] {
-                self.node([copies[0].start, copies[1].start], 0, kept.clone());
+                let copy = [copies[0].start, copies[1].start];
+                match self.filling {
+                    Filling::Triangles(content) => self.node(content, copy, 0, kept.clone()),
+                    Filling::Density(medium) => self.cell(medium, copy, Cell::ROOT, kept.clone()),
+                }
             } else {
                 let axis = usize::from(counts[1] > counts[0]);
                 let Range { start, end } = copies[axis];
@@ -224,12 +252,12 @@ impl InBox<'_> {
         self.lists.truncate(kept.start);
     }
 
-    fn node(&mut self, copy: [i32; 2], node: u32, list: Range<usize>) {
-        let tree = &self.content.tree;
+    fn node(&mut self, content: &Content, copy: [i32; 2], node: u32, list: Range<usize>) {
+        let tree = &content.tree;
         let node = &tree.nodes[node as usize];
         let Some(children) = tree.children(node) else {
             for &piece in tree.members_of(node) {
-                let corners = self.content.pieces[piece as usize].corners;
+                let corners = content.pieces[piece as usize].corners;
                 let carrier = self.carrier;
                 carrier.clipped(copy, &corners, |part| self.triangle(copy, piece, &part, 0, list.clone()));
             }
@@ -249,7 +277,7 @@ impl InBox<'_> {
             let Some(bounds) = &bounds[i] else { continue };
             let kept = keep(self.slabs, self.lists, list.clone(), bounds);
             if !kept.is_empty() {
-                self.node(copy, children[i], kept.clone());
+                self.node(content, copy, children[i], kept.clone());
             }
             self.lists.truncate(kept.start);
         }
@@ -280,9 +308,11 @@ impl InBox<'_> {
     fn meet(&mut self, copy: [i32; 2], piece: u32, corners: &[DVec3; 3], list: Range<usize>) {
         let carried = corners.map(|u| self.carrier.point(u).as_vec3());
         let flat = (carried[1] - carried[0]).cross(carried[2] - carried[0]);
-        for &i in &self.lists[list] {
-            let Inside { ray, start, query } = &self.inside[i as usize];
-            let query = &mut self.queries[*query as usize];
+        let inside = self.inside;
+        for at in list {
+            let i = self.lists[at] as usize;
+            let Inside { ray, start, query } = &inside[i];
+            let query = &self.queries[*query as usize];
             if self.any && query.hit.is_some() {
                 continue;
             }
@@ -292,15 +322,66 @@ impl InBox<'_> {
             };
             let w = weights.as_dvec3();
             let at = w.x * corners[0] + w.y * corners[1] + w.z * corners[2];
-            let hit = Hit { t: t + start, patch: self.patch, copy, piece, at, flat };
-            let first = query
-                .hit
-                .is_none_or(|known| hit.t < known.t || (hit.t == known.t && hit.order() < known.order()));
-            if first && hit.t <= query.end {
-                query.end = hit.t;
-                query.hit = Some(hit);
-                self.slabs[i as usize].end = if self.any { -1.0 } else { Slab::rounded_up(t) };
+            let met = Met::Triangle { piece, flat };
+            self.note(i, Hit { t: t + start, patch: self.patch, copy, at, met });
+        }
+    }
+
+    /// Sends the rays of `list` through a cell of a density, the nearer half of its children first.
+    fn cell(&mut self, medium: &Medium, copy: [i32; 2], cell: Cell, list: Range<usize>) {
+        let (lo, edge) = cell.place();
+        let lo = lo + DVec3::new(f64::from(copy[0]), f64::from(copy[1]), 0.0);
+        let carrier = self.carrier;
+        let Some(bounds) = carrier.bounds_of_texel(lo, lo + edge).filter(|_| medium.most(cell) > 0.0) else {
+            return;
+        };
+        let kept = keep(self.slabs, self.lists, list, &bounds);
+        if kept.is_empty() {
+            return;
+        }
+        if cell.level == Medium::DEPTH {
+            let image = Image::new(medium, carrier, copy, cell);
+            for at in kept.clone() {
+                let i = self.lists[at] as usize;
+                self.fly(&image, &bounds, copy, cell, i);
             }
+        } else {
+            let along = self.inside[self.lists[kept.start] as usize].ray.direction;
+            // In the texel, by the signs of the steps along its axes.
+            let tangents = carrier.tangents(carrier.in_box(copy, cell.place().0 + 0.5 * edge));
+            let near = [tangents.x_axis, tangents.y_axis, tangents.z_axis].map(|axis| axis.dot(along) < 0.0);
+            let first = usize::from(near[0]) | usize::from(near[1]) << 1 | usize::from(near[2]) << 2;
+            for child in 0..8 {
+                self.cell(medium, copy, cell.child(child ^ first), kept.clone());
+            }
+        }
+        self.lists.truncate(kept.start);
+    }
+
+    /// Sends one ray through a cell of a density.
+    fn fly(&mut self, image: &Image, bounds: &[Vec3A; 2], copy: [i32; 2], cell: Cell, i: usize) {
+        let Inside { ray, start, query } = &self.inside[i];
+        let known = &self.queries[*query as usize];
+        if self.any && known.hit.is_some() {
+            return;
+        }
+        let [from, to] = self.slabs[i].span(bounds);
+        let random = Random::new(known.flight, self.patch, copy, cell);
+        if let Some((t, at)) = image.flight(ray.origin, ray.direction, [from, to], random) {
+            self.note(i, Hit { t: t + start, patch: self.patch, copy, at, met: Met::Density });
+        }
+    }
+
+    /// Keeps a hit of a ray if it is the first.
+    fn note(&mut self, i: usize, hit: Hit) {
+        let Inside { start, query, .. } = &self.inside[i];
+        let query = &mut self.queries[*query as usize];
+        let first =
+            query.hit.is_none_or(|known| hit.t < known.t || (hit.t == known.t && hit.order() < known.order()));
+        if first && hit.t <= query.end {
+            query.end = hit.t;
+            query.hit = Some(hit);
+            self.slabs[i].end = if self.any { -1.0 } else { Slab::rounded_up(hit.t - start) };
         }
     }
 }

@@ -7,7 +7,8 @@ use glam::{DVec3, Vec3};
 use pelage_texel::Texel;
 
 use super::carrier::Carrier;
-use super::content::{Content, Missing, geometry_of};
+use super::content::{Content, Filling, Missing, geometry_of};
+use super::medium::Medium;
 use super::{Fineness, ReferenceError};
 use crate::Scene;
 use crate::accel::Tree;
@@ -16,7 +17,7 @@ use crate::accel::Tree;
 pub(super) struct World<'a> {
     pub scene: &'a Scene,
     /// By coat; equal texels share one.
-    contents: Vec<Arc<Content>>,
+    contents: Vec<Arc<Filling>>,
     /// Over all boxes, relative to the middle of the scene.
     pub boxes: Tree,
     /// The middle of all boxes, in the scene.
@@ -29,7 +30,7 @@ pub(super) struct World<'a> {
 impl<'a> World<'a> {
     /// Cuts the content of every texel to its tile. No more than `memory` bytes are used.
     pub(super) fn new(scene: &'a Scene, fineness: Fineness, memory: u64) -> Result<Self, ReferenceError> {
-        let mut known: HashMap<*const Texel, Arc<Content>> = HashMap::new();
+        let mut known: HashMap<*const Texel, Arc<Filling>> = HashMap::new();
         let mut contents = Vec::with_capacity(scene.coats.len());
         let mut needed = 0;
         for (coat, c) in scene.coats.iter().enumerate() {
@@ -38,6 +39,13 @@ impl<'a> World<'a> {
                 continue;
             }
             let texel = c.texel.name.clone();
+            if let Some(density) = c.texel.source().density() {
+                let content = Arc::new(Filling::Density(Medium::new(density, c.texel.periodic)));
+                needed += content.memory();
+                known.insert(Arc::as_ptr(&c.texel), content.clone());
+                contents.push(content);
+                continue;
+            }
             let geometry = geometry_of(&c.texel).map_err(|missing| match missing {
                 Missing::Source => ReferenceError::Source { coat, texel: texel.clone() },
                 Missing::Unsound(reason) => ReferenceError::Content { coat, texel: texel.clone(), reason },
@@ -48,7 +56,7 @@ impl<'a> World<'a> {
                 if needed > memory { Err(ReferenceError::Memory { needed, memory }) } else { Ok(()) }
             };
             check(least)?;
-            let content = Arc::new(Content::new(&geometry, c.texel.periodic));
+            let content = Arc::new(Filling::Triangles(Content::new(&geometry, c.texel.periodic)));
             needed += content.memory();
             check(needed)?;
             known.insert(Arc::as_ptr(&c.texel), content.clone());
@@ -73,14 +81,14 @@ impl<'a> World<'a> {
     }
 
     /// What a box holds, and what carries it there.
-    pub(super) fn filled(&self, patch: u32) -> (&Content, Carrier) {
+    pub(super) fn filled(&self, patch: u32) -> (&Filling, Carrier) {
         let (coat, p) = self.scene.patch(patch);
         let hexahedron = self.scene.hexahedron(patch);
         let content = &self.contents[self.scene.coat_index(patch)];
         let bounds = coat.skin.bounds(self.scene.patch_index(patch));
         let height = hexahedron.map().sides().z;
         let tolerance = self.fineness.tolerance(bounds, height);
-        (content, Carrier::new(hexahedron, &p.lattice, content.periodic, tolerance))
+        (content, Carrier::new(hexahedron, &p.lattice, content.is_periodic(), tolerance))
     }
 
     /// What the content of a box is multiplied by at box coordinates: the coat's tint, and the colour of the surface

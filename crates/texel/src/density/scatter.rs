@@ -1,0 +1,112 @@
+//! What each voxel of a density sends back: its scatterers, and at coarse levels what reaches them.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::measure::bounds;
+use super::table::Table;
+use crate::random::Random;
+use crate::scatterer::{Cloud, Scatterer, Scatterers, directions};
+
+/// A level's points.
+#[derive(Clone, Copy)]
+struct Sampling {
+    /// Places looked at, along each edge of a voxel.
+    side: usize,
+    /// Points tried, chosen by the extinction there.
+    tried: usize,
+    /// Points kept, chosen by how much light reaches them.
+    kept: usize,
+}
+
+impl Sampling {
+    fn of(level: u32) -> Self {
+        let [side, tried, kept] = match level {
+            0 => [32, 2048, 768],
+            1 => [24, 640, 256],
+            2 => [16, 192, 64],
+            3 => [8, 72, 24],
+            4 => [6, 20, 8],
+            5 => [5, 10, 4],
+            6 => [4, 4, 4],
+            7 => [3, 2, 2],
+            _ => [2, 1, 1],
+        };
+        Self { side, tried, kept }
+    }
+}
+
+/// The scatterers of a level's voxels.
+pub(crate) fn level(table: &Table, codes: &[u32], level: u32) -> Cloud {
+    let sampling = Sampling::of(level);
+    let around: Vec<Vec3> = directions(Scatterers::side(level)).map(|d| d * Scatterers::reach(level)).collect();
+    let each = codes.par_iter().map(|&code| {
+        let random = &mut Random::new(u64::from(level) << 32 | u64::from(code), 0x5ca7);
+        let points = tried(table, bounds(code, level), sampling, random);
+        let scatterer = |p: Vec3, weight| Scatterer::new(table.normal(p.as_dvec3()), table.color(p), weight);
+        if Scatterers::side(level) == 0 {
+            return (points.into_iter().map(|p| scatterer(p, 1.0)).collect(), Vec::new());
+        }
+        let maps: Vec<Vec<u8>> = points.iter().map(|&p| map(table, p, &around)).collect();
+        let kept = kept(&maps, sampling.kept, random);
+        let heaviest = kept.iter().fold(f32::MIN_POSITIVE, |most, &(_, weight)| most.max(weight));
+        let maps = kept.iter().flat_map(|&(i, _)| maps[i].iter().copied()).collect();
+        (kept.into_iter().map(|(i, weight)| scatterer(points[i], weight / heaviest)).collect(), maps)
+    });
+    Cloud::new(each.collect(), Scatterers::side(level))
+}
+
+/// Points of a box by the extinction there; none where there is none.
+fn tried(table: &Table, [lo, hi]: [Vec3; 2], sampling: Sampling, random: &mut Random) -> Vec<Vec3> {
+    let Sampling { side, tried, .. } = sampling;
+    let mut sum = 0.0;
+    let places: Vec<(Vec3, f32)> = (0..side.pow(3))
+        .map(|i| {
+            let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
+            let within = Vec3::new(random.unit(), random.unit(), random.unit());
+            let p = lo + (hi - lo) * (cell + within) / side as f32;
+            sum += table.extinction(p);
+            (p, sum)
+        })
+        .collect();
+    if sum <= 0.0 {
+        return Vec::new();
+    }
+    let chosen = (0..tried).map(|i| {
+        let wanted = sum * (i as f32 + random.unit()) / tried as f32;
+        let place = places.partition_point(|place| place.1 <= wanted);
+        places[place.min(places.len() - 1)].0
+    });
+    chosen.collect()
+}
+
+/// What passes from a point to the ends of the steps `around` it.
+fn map(table: &Table, from: Vec3, around: &[Vec3]) -> Vec<u8> {
+    around.iter().map(|&step| (255.0 * table.transmittance(from, step)).round() as u8).collect()
+}
+
+/// At most `most` of the points with these maps, those that more light reaches rather, and what each stands for.
+fn kept(maps: &[Vec<u8>], most: usize, random: &mut Random) -> Vec<(usize, f32)> {
+    // Those in the dark are not so rare that one of them would count for very many.
+    const DARK: f32 = 0.02;
+    let importance = |map: &Vec<u8>| {
+        map.iter().map(|&byte| f32::from(byte)).sum::<f32>() / (255.0 * map.len() as f32) + DARK
+    };
+    let shares: Vec<f32> = maps.iter().map(importance).collect();
+    let step = shares.iter().sum::<f32>() / most.min(maps.len()) as f32;
+    let mut next = step * random.unit();
+    let mut sum = 0.0;
+    let mut kept = Vec::with_capacity(most);
+    for (i, share) in shares.into_iter().enumerate() {
+        let mut times = 0.0;
+        sum += share;
+        while next < sum {
+            next += step;
+            times += 1.0;
+        }
+        if times > 0.0 {
+            kept.push((i, times / share));
+        }
+    }
+    kept
+}

@@ -1,0 +1,152 @@
+//! A level as the bytes of a file: counts, then tables whose records stand in [`planes`](super::planes).
+//!
+//! ```text
+//! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with lobes
+//!      4  bricks      u32
+//!      8  voxels      u32
+//!     12  surfels     u32
+//!     16  openness    u32  as many as voxels, or none
+//!     20  directions  u32  of the compact form; else 0
+//!     24  colours     u32  of the compact form; else 0
+//!     28  scatterers  u32
+//!     32  map         u32  cells along an axis of their maps, or 0 for none
+//!     36  lobes       u32
+//!     40  bricks      Morton code u32
+//!         occupancy   8 × u64 a brick, one for each of its 4³ blocks
+//!         openness    u8
+//!
+//! exact   voxels      32 bytes, as in memory
+//!         counts      u16: the surfels of each voxel
+//!         surfels     16 bytes, as in memory
+//!
+//! compact directions  2 × i16
+//!         colours     3 × i16
+//!         voxels      16 bytes, as in memory
+//!         counts      u8: the surfels of each voxel
+//!         surfels     u32, as in memory
+//!
+//! lobes   counts      72 × u8 a voxel: the lobes for each direction
+//!         lobes       40 bytes, as in memory
+//!
+//! density counts      u32: the scatterers of each voxel
+//!         scatterers  8 bytes, as in memory
+//!         maps        (map + 1)² bytes a scatterer
+//! ```
+
+use super::planes::{Planes, write};
+use crate::Level;
+use crate::bricks::Bricks;
+use crate::compact::{Compact, CompactVoxel};
+use crate::lobe::{Lobe, Lobes};
+use crate::octree::Content;
+use crate::packed::Packed;
+use crate::palette::Palette;
+use crate::scatterer::{Cloud, Scatterer};
+use crate::surfel::{Surfel, Surfels};
+
+/// The bytes of a level.
+pub(super) fn encode(level: &Level) -> Vec<u8> {
+    let bricks: Vec<(u32, [u64; 8])> = level.bricks().occupied().collect();
+    let (compact, surfels, palettes) = match level.content() {
+        Content::Exact(_, surfels) => (0, surfels.all().len(), [0; 2]),
+        Content::Compact(c) => (1, c.surfels.len(), [c.directions.points().len(), c.colors.points().len()]),
+    };
+    let [directions, colors] = palettes;
+    let form = compact | usize::from(level.cloud().is_there()) << 1 | usize::from(level.all_lobes().is_there()) << 2;
+    let (scatterers, maps, side) = level.cloud().tables();
+    let counts = [form, bricks.len(), level.len(), surfels, level.openness().len(), directions, colors];
+    let mut out = Vec::new();
+    for count in counts.into_iter().chain([scatterers.len(), side, level.all_lobes().all().len()]) {
+        out.extend((count as u32).to_le_bytes());
+    }
+    write(&mut out, bricks.iter().map(|(code, _)| code.to_le_bytes()));
+    write(&mut out, bricks.iter().map(|(_, words)| occupancy(words)));
+    out.extend(level.openness());
+    match level.content() {
+        Content::Exact(voxels, surfels) => {
+            let counts = (0..voxels.len() as u32).map(|voxel| surfels.of(voxel).len() as u16);
+            write(&mut out, voxels.iter().map(Packed::to_bytes));
+            write(&mut out, counts.map(u16::to_le_bytes));
+            write(&mut out, surfels.all().iter().map(Surfel::to_bytes));
+        }
+        Content::Compact(compact) => {
+            write(&mut out, compact.directions.points().iter().map(point::<2, 4>));
+            write(&mut out, compact.colors.points().iter().map(point::<3, 6>));
+            write(&mut out, compact.voxels.iter().map(|voxel| voxel.to_bytes()));
+            out.extend(compact.surfel_counts());
+            write(&mut out, compact.surfels.iter().map(|bits| bits.to_le_bytes()));
+        }
+    }
+    write(&mut out, level.all_lobes().counts().map(|count| [count]));
+    write(&mut out, level.all_lobes().all().iter().map(|lobe| lobe.to_bytes()));
+    write(&mut out, level.cloud().counts().map(u32::to_le_bytes));
+    write(&mut out, scatterers.iter().map(|scatterer| scatterer.to_bytes()));
+    out.extend(maps);
+    out
+}
+
+/// The level of a number, or what is wrong with its bytes.
+pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'static str> {
+    const SHORT: &str = "is shorter than its counts say";
+    let mut planes = Planes(bytes);
+    let counts = planes.counts().ok_or(SHORT)?;
+    let [form, bricks, voxels, surfels, openness, directions, colors, scatterers, side, lobes] = counts;
+    if form > 7 {
+        return Err("is of a form that there is not");
+    }
+    let codes = planes.read(bricks).ok_or(SHORT)?.map(u32::from_le_bytes);
+    let bricks: Vec<_> = codes.zip(planes.read(bricks).ok_or(SHORT)?.map(words)).collect();
+    let bricks = Bricks::from_occupied(1 << l, &bricks)?;
+    let openness = planes.read(openness).ok_or(SHORT)?.map(|[open]| open).collect();
+    let content = match form & 1 {
+        0 => {
+            let voxels: Vec<_> = planes.read(voxels).ok_or(SHORT)?.map(Packed::from_bytes).collect();
+            let counts: Vec<_> = planes.read(voxels.len()).ok_or(SHORT)?.map(u16::from_le_bytes).collect();
+            let surfels = planes.read(surfels).ok_or(SHORT)?.map(Surfel::from_bytes).collect();
+            Content::Exact(voxels, Surfels::from_counts(&counts, surfels).ok_or("miscounts its surfels")?)
+        }
+        _ => {
+            let directions = planes.read(directions).ok_or(SHORT)?.map(coordinates::<2, 4>).collect();
+            let directions = Palette::from_points(directions);
+            let colors = planes.read(colors).ok_or(SHORT)?.map(coordinates::<3, 6>).collect();
+            let colors = Palette::from_points(colors);
+            let voxels: Vec<_> = planes.read(voxels).ok_or(SHORT)?.map(CompactVoxel::from_bytes).collect();
+            let counts: Vec<_> = planes.read(voxels.len()).ok_or(SHORT)?.map(|[count]| count).collect();
+            let surfels = planes.read(surfels).ok_or(SHORT)?.map(u32::from_le_bytes).collect();
+            Content::Compact(Compact::from_tables(directions, colors, voxels, &counts, surfels)?)
+        }
+    };
+    let mut level = Level::of_parts(bricks, content, openness, periodic);
+    if form & 4 != 0 {
+        let counts = Lobes::count(voxels).and_then(|count| planes.read(count)).ok_or(SHORT)?.map(|[count]| count);
+        let all = planes.read(lobes).ok_or(SHORT)?.map(Lobe::from_bytes).collect();
+        level.set_lobes(Lobes::from_tables(counts, all).ok_or("miscounts its lobes")?);
+    }
+    if form & 2 != 0 {
+        let counts = planes.read(voxels).ok_or(SHORT)?.map(u32::from_le_bytes);
+        let points = planes.read(scatterers).ok_or(SHORT)?.map(Scatterer::from_bytes).collect();
+        let maps = std::mem::take(&mut planes.0).to_vec();
+        level.set_cloud(Cloud::from_tables(counts, points, maps, side).ok_or("miscounts its scatterers")?);
+    }
+    if !planes.0.is_empty() {
+        return Err("is longer than its counts say");
+    }
+    Ok(level)
+}
+
+fn occupancy(words: &[u64; 8]) -> [u8; 64] {
+    std::array::from_fn(|byte| words[byte / 8].to_le_bytes()[byte % 8])
+}
+
+fn words(bytes: [u8; 64]) -> [u64; 8] {
+    std::array::from_fn(|word| u64::from_le_bytes(std::array::from_fn(|byte| bytes[8 * word + byte])))
+}
+
+/// D coordinates as N = 2 D bytes.
+fn point<const D: usize, const N: usize>(point: &[i16; D]) -> [u8; N] {
+    std::array::from_fn(|byte| point[byte / 2].to_le_bytes()[byte % 2])
+}
+
+fn coordinates<const D: usize, const N: usize>(bytes: [u8; N]) -> [i16; D] {
+    std::array::from_fn(|axis| i16::from_le_bytes([bytes[2 * axis], bytes[2 * axis + 1]]))
+}
