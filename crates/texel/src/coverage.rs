@@ -8,6 +8,7 @@
 use glam::Vec3;
 use pelage_geom::Symmetric3;
 
+use crate::flat;
 use crate::grid::{Frame, larger, smaller};
 use crate::raster::{Hits, Raster};
 use crate::region::{Parts, Region};
@@ -72,6 +73,9 @@ pub(crate) struct Matter<'a> {
     pub(crate) color: Option<Vec3>,
 }
 
+/// What passes a sheet without holes, at least.
+const SHEET: f32 = 5e-4;
+
 /// Buffers that every look reuses.
 #[derive(Default)]
 pub(crate) struct View {
@@ -81,6 +85,26 @@ pub(crate) struct View {
 }
 
 impl View {
+    /// Looks at a planar region face on: exactly where its pieces lie side by side, with about `side`² rays elsewhere.
+    pub(crate) fn look_face_on(&mut self, matter: Matter, side: usize) -> Option<Sight> {
+        let Matter { region, parts, colors, .. } = matter;
+        let frame = Frame::new(region.normal);
+        let Some((covered, area)) = flat::cover(region, parts) else {
+            return self.look(matter, frame, side);
+        };
+        let grid = &mut self.silhouette.grid;
+        grid.aim(region, frame, side.min(Silhouette::SIDE));
+        let (count, length) = grid.lengths(&mut self.lengths);
+        if count == 0.0 {
+            return None;
+        }
+        let sigma = extinction(&self.lengths, count, length, (1.0 - covered).max(SHEET));
+        let pieces = parts.pieces().map(|(id, doubled, _)| colors[id as usize] * 0.5 * doubled.length());
+        let sum: Vec3 = pieces.sum();
+        let areas: f32 = parts.pieces().map(|(_, doubled, _)| 0.5 * doubled.length()).sum();
+        Some(Sight { direction: frame.direction, sigma, color: sum * (area / areas), weight: area })
+    }
+
     /// Looks along a direction with about `side`² rays; `None` where no ray crosses the region.
     pub(crate) fn look(&mut self, matter: Matter, frame: Frame, side: usize) -> Option<Sight> {
         let Matter { region, parts, triangles, colors, color } = matter;
@@ -112,7 +136,7 @@ impl View {
             return None;
         }
         // A fraction of 0 is known no better than to a part of a ray; a sheet's is 0.
-        let least = if region.is_thin() { 5e-4 } else { 0.05 / count };
+        let least = if region.is_thin() { SHEET } else { 0.05 / count };
         let passed = ((count - seen as f32) / count).max(least);
         let weight = seen as f32 * footprint;
         let sigma = extinction(&self.lengths, count, length, passed);
@@ -121,7 +145,7 @@ impl View {
 }
 
 /// The σ at which mean exp(−σ l) over the `count` lengths that are not missed, which are `mean` long, is `passed`.
-fn extinction(lengths: &[f32], count: f32, mean: f32, passed: f32) -> f32 {
+pub(crate) fn extinction(lengths: &[f32], count: f32, mean: f32, passed: f32) -> f32 {
     let limit = 12.0 / mean;
     let wanted = passed.ln();
     // The root for lengths of a gamma distribution of shape 3, which those of a box resemble.

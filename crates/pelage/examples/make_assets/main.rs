@@ -4,6 +4,9 @@
 //!
 //! Longer than most files here: each creature is described once, in plain numbers.
 
+mod calf;
+mod gallery;
+mod hypertexture;
 mod standard;
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -22,6 +25,9 @@ fn main() -> io::Result<()> {
     fs::write(folder.join("fluff.mtl"), mtl)?;
     fs::write(folder.join("fluff.toml"), SCENE)?;
     fs::write(folder.join("stage.glb"), stage()?)?;
+    calf::write(folder)?;
+    gallery::write(&folder.join("gallery"))?;
+    hypertexture::write(&folder.join("gallery"))?;
     standard::write(&folder.join("validate"))
 }
 

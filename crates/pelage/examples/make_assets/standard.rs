@@ -1,4 +1,4 @@
-//! The standard scenes of `pelage validate`: four contents on three skins.
+//! The standard scenes of `pelage validate`: four contents on three skins, and four more on one.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -14,6 +14,14 @@ const CONTENTS: [(&str, &str); 4] = [
     ("grass", "texel.grass = {}"),
     ("leaves", "texel.leaves = {}"),
     ("sheet", "texel.sheet = {}"),
+];
+
+/// What stands on the flat skin only: many small things each, slow to judge.
+const GROWN: &[(&str, &str)] = &[
+    ("moss", "texel.moss = {}"),
+    ("pile", "texel.pile = {}"),
+    ("foliage", "texel.foliage = {}"),
+    ("needles", "texel.needles = {}"),
 ];
 
 /// A skin: its name, what it is, what makes it of a mesh, and from where it is seen.
@@ -57,7 +65,8 @@ pub fn write(folder: &Path) -> io::Result<()> {
     fs::write(folder.join("flat.obj"), obj(&flat))?;
     fs::write(folder.join("torus.obj"), obj(&surface::torus(1.0, 0.5, 48, 24)))?;
     for Form { name, what, mesh, skin, view } in FORMS {
-        for (content, texel) in CONTENTS {
+        let grown = if name == "flat" { GROWN } else { &[] };
+        for (content, texel) in CONTENTS.iter().chain(grown) {
             let text = format!(
                 "# Standard scene of `pelage validate`: {content} on {what}, without the surface below.\n\
                  geometry = [{{ file = \"{mesh}\", visible = false }}]\n\n\

@@ -4,51 +4,65 @@ use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::domain::{COUNT, Domain, RADIUS, SEGMENTS, SLOPE, UNIT, at_most_triangles};
-use super::scatter::scattered;
+use super::clumps::Clumps;
+use super::parameter::{at_most_triangles, check, parameters};
+use super::scatter::{LOOSELY, scattered};
+use super::tube::tube;
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
 
-/// Fur over one tile. Lengths are in texel edges: the tile is 1 wide, the texel 1 high.
-///
-/// Colours are near-neutral in the presets: the tint of a coat multiplies them.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Fur {
-    /// Which of the many furs with these settings.
-    pub seed: u64,
-    /// Strands in the tile, undercoat included: 1 to 10⁶.
-    pub count: u32,
-    /// Length of a strand, along it; tips stay below the texel's top.
-    pub length: f32,
-    /// Relative variation of the length, 0 to 1.
-    pub length_variation: f32,
-    /// Radius at the root.
-    pub root_radius: f32,
-    /// Radius at the tip; 0 for a point.
-    pub tip_radius: f32,
-    /// Mean slope (s and t per unit of w) over the whole strand: roots stand steeper, tips lie lower.
-    pub lean: Vec2,
-    /// Slope of the random bends of each strand.
-    pub curl: f32,
-    /// How far tips are drawn to the middle of their lock, 0 to 1.
-    pub clump: f32,
-    /// Fraction of the strands that are undercoat: half as long, finer, more curled, 0 to 1.
-    pub undercoat: f32,
-    /// Linear albedo at the root.
-    pub root_color: Vec3,
-    /// Linear albedo at the tip.
-    pub tip_color: Vec3,
-    /// Relative variation of brightness between strands, 0 to 1.
-    pub color_variation: f32,
-    /// Specular albedo, 0 to 1.
-    pub specular: f32,
-    /// Roughness of the highlight, 0 to 1.
-    pub roughness: f32,
-    /// Straight pieces a strand, 1 to 32.
-    pub segments: u32,
-    /// Sides of a strand's cross-section, 3 to 16.
-    pub sides: u32,
+parameters! {
+    /// Strands, with undercoat between them. Colours are near-neutral in the presets: the tint of a coat multiplies them.
+    pub struct Fur {
+        /// Which of the many furs with these settings.
+        seed: u64,
+        /// Strands in a copy, undercoat included.
+        count: u32 in 1..=1_000_000 ["strands"],
+        /// Length of a strand, along it; tips stay below the texel's top.
+        length: f32 in 0..=1 ["texel edges"],
+        /// Relative variation of the length.
+        length_variation: f32 in 0..=1,
+        /// Radius of a strand at its root.
+        root_radius: f32 in 0..=0.5 ["texel edges"],
+        /// Radius of a strand at its tip; 0 for a point.
+        tip_radius: f32 in 0..=0.5 ["texel edges"],
+        /// Relative variation of the radius between strands.
+        radius_variation: f32 in 0..=1,
+        /// How the fur is combed: mean slope along s and t over the whole strand. Roots stand steeper, tips lie lower.
+        lean: Vec2 in -10..=10 ["texel edges a texel edge"],
+        /// How strongly strands wind: the slope of their bends.
+        curl: f32 in 0..=10 ["texel edges a texel edge"],
+        /// How often strands wind on their way.
+        curl_turns: f32 in 0..=16 ["turns"],
+        /// Slope of the small kinks from piece to piece of a strand.
+        frizz: f32 in 0..=10 ["texel edges a texel edge"],
+        /// How far tips are drawn to the middle of their lock.
+        clump: f32 in 0..=1,
+        /// Strands in a lock.
+        clump_size: u32 in 1..=10_000 ["strands"],
+        /// Fraction of the strands that are undercoat: shorter, finer, more curled.
+        undercoat: f32 in 0..=1,
+        /// Length of the undercoat over that of the other strands.
+        undercoat_length: f32 in 0..=1,
+        /// Colour of the undercoat at its tips; its roots have the colour of the others.
+        undercoat_color: Vec3 in 0..=1,
+        /// Colour at the root.
+        root_color: Vec3 in 0..=1,
+        /// Colour at the tip.
+        tip_color: Vec3 in 0..=1,
+        /// Where along a strand it is half one colour and half the other.
+        color_midpoint: f32 in 0.05..=0.95,
+        /// Relative variation of brightness between strands.
+        color_variation: f32 in 0..=1,
+        /// Specular albedo.
+        specular: f32 in 0..=1,
+        /// Roughness of the highlight.
+        roughness: f32 in 0..=1,
+        /// Straight pieces of a strand.
+        segments: u32 in 1..=32 ["pieces"],
+        /// Sides of a strand's cross-section.
+        sides: u32 in 3..=16 ["sides"],
+    }
 }
 
 impl Fur {
@@ -61,12 +75,19 @@ impl Fur {
             length_variation: 0.25,
             root_radius: 0.008,
             tip_radius: 0.002,
+            radius_variation: 0.3,
             lean: Vec2::ZERO,
             curl: 0.25,
+            curl_turns: 1.0,
+            frizz: 0.0,
             clump: 0.8,
+            clump_size: 12,
             undercoat: 0.45,
+            undercoat_length: 0.5,
+            undercoat_color: Vec3::new(0.89, 0.88, 0.87),
             root_color: Vec3::new(0.6, 0.58, 0.56),
             tip_color: Vec3::new(0.97, 0.96, 0.95),
+            color_midpoint: 0.5,
             color_variation: 0.2,
             specular: 0.08,
             roughness: 0.4,
@@ -98,13 +119,39 @@ impl Fur {
             length_variation: 0.12,
             root_radius: 0.009,
             tip_radius: 0.006,
+            radius_variation: 0.15,
             curl: 0.45,
+            frizz: 0.1,
             clump: 0.2,
             undercoat: 0.5,
             root_color: Vec3::new(0.66, 0.65, 0.64),
             specular: 0.03,
             roughness: 0.6,
             segments: 5,
+            ..Self::long()
+        }
+    }
+
+    /// Tight crimped locks, like a lamb's.
+    pub fn fleece() -> Self {
+        Self {
+            count: 1300,
+            length: 1.0,
+            length_variation: 0.2,
+            root_radius: 0.008,
+            tip_radius: 0.005,
+            curl: 1.6,
+            curl_turns: 2.5,
+            frizz: 0.15,
+            clump: 0.75,
+            clump_size: 30,
+            undercoat: 0.25,
+            undercoat_length: 0.6,
+            undercoat_color: Vec3::new(0.8, 0.78, 0.74),
+            root_color: Vec3::new(0.62, 0.58, 0.52),
+            specular: 0.02,
+            roughness: 0.7,
+            segments: 14,
             ..Self::long()
         }
     }
@@ -117,6 +164,7 @@ impl Fur {
             length_variation: 0.15,
             root_radius: 0.006,
             tip_radius: 0.003,
+            radius_variation: 0.0,
             curl: 0.2,
             clump: 0.3,
             undercoat: 0.0,
@@ -125,38 +173,45 @@ impl Fur {
         }
     }
 
-    /// The middles of the locks, with about twelve strands each.
-    fn locks(&self) -> Vec<Vec2> {
-        let count = (self.count / 12).max(1);
-        (0..count).map(|i| scattered(i, count, &mut Random::new(self.seed ^ 0x10c5, i.into()))).collect()
-    }
-
-    /// The points of strand `i`, root first, and the strand's own factors of radius and brightness.
-    fn strand(&self, i: u32, locks: &Locks) -> (Vec<Vec3>, f32, f32) {
+    /// The points of strand `i`, root first, and what is the strand's own.
+    fn strand(&self, i: u32, locks: &Clumps) -> (Vec<Vec3>, Strand) {
         let random = &mut Random::new(self.seed, i.into());
-        let root = scattered(i, self.count, random);
+        let root = scattered(i, self.count, LOOSELY, random);
         let under = random.unit() < self.undercoat;
-        let [size, bend] = if under { [0.5, 1.8] } else { [1.0, 1.0] };
+        let [size, bend] = if under { [self.undercoat_length, 1.8] } else { [1.0, 1.0] };
         let length = size * self.length * (1.0 + self.length_variation * random.signed());
         let length = length.clamp(0.0, 0.98);
         let to_lock = locks.nearest(root) - root;
         let own = Vec2::from_angle(TAU * random.unit()) * self.curl * bend * random.unit().sqrt();
-        let [phase, turns] = [TAU * random.unit(), 0.6 + 0.8 * random.unit()];
+        let [phase, turns] = [TAU * random.unit(), self.curl_turns * (0.6 + 0.8 * random.unit())];
         let wave = 0.7 * self.curl * bend;
         let shade = 1.0 + self.color_variation * random.signed();
+        let thickness = 1.0 + self.radius_variation * random.signed();
         let segments = self.segments;
         let mut point = root.extend(0.0);
         let mut points = vec![point];
         for k in 0..segments {
             let x = (k as f32 + 0.5) / segments as f32;
             let pull = to_lock * (self.clump * 2.0 * x / length.max(1e-3));
-            let slope =
-                self.lean * 2.0 * x + own + Vec2::from_angle(phase + TAU * turns * x) * wave * x + pull;
+            let kink = Vec2::new(random.signed(), random.signed()) * self.frizz;
+            let slope = self.lean * 2.0 * x
+                + own
+                + Vec2::from_angle(phase + TAU * turns * x) * wave * x
+                + kink
+                + pull;
             point += slope.extend(1.0).normalize() * (length / segments as f32);
             points.push(point);
         }
-        (points, if under { 0.75 } else { 1.0 }, if under { 0.92 * shade } else { shade })
+        let thickness = if under { 0.75 * thickness } else { thickness };
+        (points, Strand { under, thickness, shade })
     }
+}
+
+/// What is a strand's own: whether it is undercoat, and its factors of radius and brightness.
+struct Strand {
+    under: bool,
+    thickness: f32,
+    shade: f32,
 }
 
 impl Default for Fur {
@@ -171,118 +226,28 @@ impl Procedure for Fur {
     }
 
     fn validate(&self) -> Result<(), BuildError> {
-        COUNT.check("count", self.count)?;
-        UNIT.check("length", self.length)?;
-        UNIT.check("length_variation", self.length_variation)?;
-        RADIUS.check("root_radius", self.root_radius)?;
-        RADIUS.check("tip_radius", self.tip_radius)?;
-        SLOPE.check_each("lean", self.lean.as_ref())?;
-        Domain::new(0.0, 10.0, "0 to 10").check("curl", self.curl)?;
-        UNIT.check("clump", self.clump)?;
-        UNIT.check("undercoat", self.undercoat)?;
-        UNIT.check_each("root_color", self.root_color.as_ref())?;
-        UNIT.check_each("tip_color", self.tip_color.as_ref())?;
-        UNIT.check("color_variation", self.color_variation)?;
-        UNIT.check("specular", self.specular)?;
-        UNIT.check("roughness", self.roughness)?;
-        SEGMENTS.check("segments", self.segments)?;
-        Domain::new(3.0, 16.0, "3 to 16").check("sides", self.sides)?;
-        at_most_triangles(self.count, 2 * self.segments * self.sides)
+        check(&self.parameters())?;
+        at_most_triangles(u64::from(self.count) * u64::from(2 * self.segments * self.sides))
     }
 
     fn geometry(&self) -> Geometry {
         let mut geometry =
             Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        let locks = Locks::new(self.locks());
+        let locks = Clumps::new(self.count / self.clump_size.max(1), self.seed ^ 0x10c5);
         for i in 0..self.count {
-            let (points, thickness, shade) = self.strand(i, &locks);
+            let (points, Strand { under, thickness, shade }) = self.strand(i, &locks);
             let radius = |x: f32| (self.root_radius + (self.tip_radius - self.root_radius) * x) * thickness;
+            let tip_color = if under { self.undercoat_color } else { self.tip_color };
             let color = |x: f32| {
+                // Half-way at the midpoint. [Schlick94]
+                let x = x / ((1.0 / (1.0 - self.color_midpoint) - 2.0) * (1.0 - x) + 1.0);
                 let blend = x * x * (3.0 - 2.0 * x);
-                (self.root_color.lerp(self.tip_color, blend) * shade).clamp(Vec3::ZERO, Vec3::ONE)
+                self.root_color.lerp(tip_color, blend) * shade
             };
             // Each strand turned its own way: together, few-sided tubes are as round as fur.
             let turn = TAU * Random::new(self.seed ^ 0x7ab5, i.into()).unit();
             tube(&mut geometry, &points, self.sides, turn, radius, color);
         }
         geometry
-    }
-}
-
-/// A tube along a curve, its sides turned by `turn` radians about it: `radius` and `color` at a fraction of it, 0
-/// at its first point.
-fn tube(
-    geometry: &mut Geometry,
-    points: &[Vec3],
-    sides: u32,
-    turn: f32,
-    radius: impl Fn(f32) -> f32,
-    color: impl Fn(f32) -> Vec3,
-) {
-    let last = points.len().saturating_sub(1);
-    let tangent = |k: usize| (points[(k + 1).min(last)] - points[k.saturating_sub(1)]).normalize_or(Vec3::Z);
-    // One frame carried along the curve, so that the sides do not twist.
-    let mut right = tangent(0).any_orthonormal_vector();
-    let mut ring: Vec<Vec3> = Vec::new();
-    for (k, &point) in points.iter().enumerate() {
-        let along = tangent(k);
-        right = (right - along * along.dot(right)).normalize_or(along.any_orthonormal_vector());
-        let up = along.cross(right);
-        let r = radius(k as f32 / last as f32);
-        let next: Vec<Vec3> = (0..sides)
-            .map(|side| Vec2::from_angle(turn + TAU * side as f32 / sides as f32) * r)
-            .map(|p| point + right * p.x + up * p.y)
-            .collect();
-        if k > 0 {
-            let color = color((k as f32 - 0.5) / last as f32);
-            for side in 0..sides as usize {
-                let beside = (side + 1) % sides as usize;
-                let [a, b, c, d] = [ring[side], ring[beside], next[beside], next[side]];
-                geometry.push([a, b, c], color);
-                if c != d {
-                    geometry.push([a, c, d], color);
-                }
-            }
-        }
-        ring = next;
-    }
-}
-
-/// The middles of the locks, sorted into a grid over the periodic tile to find the nearest.
-struct Locks {
-    side: usize,
-    cells: Vec<Vec<Vec2>>,
-}
-
-impl Locks {
-    fn new(middles: Vec<Vec2>) -> Self {
-        let side = ((middles.len() as f32 / 2.0).sqrt() as usize).max(1);
-        let mut cells = vec![Vec::new(); side * side];
-        for p in middles {
-            let [x, y] = [p.x, p.y].map(|c| ((c * side as f32) as usize).min(side - 1));
-            cells[x + side * y].push(p);
-        }
-        Self { side, cells }
-    }
-
-    /// The nearest middle, in whichever copy of the tile it lies; `p` itself if none is near.
-    fn nearest(&self, p: Vec2) -> Vec2 {
-        let side = self.side as i32;
-        let at = (p * side as f32).floor().as_ivec2();
-        let mut best = (f32::INFINITY, p);
-        for dy in -1..=1 {
-            for dx in -1..=1 {
-                let [x, y] = [at.x + dx, at.y + dy];
-                let tile = Vec2::new(x.div_euclid(side) as f32, y.div_euclid(side) as f32);
-                let cell = x.rem_euclid(side) + side * y.rem_euclid(side);
-                for &middle in &self.cells[cell as usize] {
-                    let distance = p.distance_squared(middle + tile);
-                    if distance < best.0 {
-                        best = (distance, middle + tile);
-                    }
-                }
-            }
-        }
-        best.1
     }
 }

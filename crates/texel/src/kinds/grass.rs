@@ -1,48 +1,60 @@
-//! Grass: flat tapered blades that stand on the surface and bend over.
+//! Grass: blades that stand on the surface and bend over.
 
 use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::domain::{COUNT, Domain, RADIUS, SEGMENTS, UNIT, at_most_triangles};
-use super::scatter::scattered;
+use super::blade::Blade;
+use super::clumps::Clumps;
+use super::parameter::{at_most_triangles, check, parameters};
+use super::scatter::{LOOSELY, scattered};
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
 
-/// Grass over one tile. Lengths are in texel edges: the tile is 1 wide, the texel 1 high.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Grass {
-    /// Which of the many lawns with these settings.
-    pub seed: u64,
-    /// Blades in the tile, 1 to 10⁶.
-    pub count: u32,
-    /// Length of a blade, along it, 0 to 1; tips stay below the texel's top.
-    pub length: f32,
-    /// Relative variation of the length, 0 to 1.
-    pub length_variation: f32,
-    /// Width at the root, 0 to ½.
-    pub width: f32,
-    /// Part of the width that is lost at the tip, 0 to 1; narrowing begins slowly.
-    pub taper: f32,
-    /// Mean angle between a blade's tip and the upright in radians, 0 to 1.5; blades bend from none to twice that.
-    pub bend: f32,
-    /// Linear albedo at the root.
-    pub root_color: Vec3,
-    /// Linear albedo at the tip.
-    pub tip_color: Vec3,
-    /// Relative variation of brightness between blades, 0 to 1.
-    pub color_variation: f32,
-    /// Fraction of the blades that are dry, 0 to 1.
-    pub dry: f32,
-    /// Linear albedo of a dry blade, all along it.
-    pub dry_color: Vec3,
-    /// Specular albedo, 0 to 1.
-    pub specular: f32,
-    /// Roughness of the highlight, 0 to 1.
-    pub roughness: f32,
-    /// Straight pieces a blade, 1 to 32, of two triangles each.
-    pub segments: u32,
+parameters! {
+    /// Blades that stand on the surface and bend over.
+    pub struct Grass {
+        /// Which of the many lawns with these settings.
+        seed: u64,
+        /// Blades in a copy.
+        count: u32 in 1..=1_000_000 ["blades"],
+        /// Length of a blade, along it; tips stay below the texel's top.
+        length: f32 in 0..=1 ["texel edges"],
+        /// Relative variation of the length.
+        length_variation: f32 in 0..=1,
+        /// Width of a blade at its root.
+        width: f32 in 0..=0.5 ["texel edges"],
+        /// Relative variation of the width.
+        width_variation: f32 in 0..=1,
+        /// Part of the width that is lost at the tip; narrowing begins slowly.
+        taper: f32 in 0..=1,
+        /// Mean angle between a blade's tip and the upright; blades bend from none to twice that.
+        bend: f32 in 0..=85 ["degrees"],
+        /// How far each half of a blade is folded up along its middle; 0 for flat blades, of half as many triangles.
+        fold: f32 in 0..=80 ["degrees"],
+        /// How far blades gather in tufts: at 1 all of a tuft grow from one place.
+        clump: f32 in 0..=1,
+        /// Blades in a tuft.
+        clump_size: u32 in 1..=10_000 ["blades"],
+        /// Colour at the root.
+        root_color: Vec3 in 0..=1,
+        /// Colour at the tip.
+        tip_color: Vec3 in 0..=1,
+        /// Another colour at the tip: those of the blades are spread between the two.
+        other_tip_color: Vec3 in 0..=1,
+        /// Relative variation of brightness between blades.
+        color_variation: f32 in 0..=1,
+        /// Fraction of the blades that are dry.
+        dry: f32 in 0..=1,
+        /// Colour of a dry blade, all along it.
+        dry_color: Vec3 in 0..=1,
+        /// Specular albedo.
+        specular: f32 in 0..=1,
+        /// Roughness of the highlight.
+        roughness: f32 in 0..=1,
+        /// Straight pieces of a blade.
+        segments: u32 in 1..=32 ["pieces"],
+    }
 }
 
 impl Grass {
@@ -54,10 +66,15 @@ impl Grass {
             length: 0.88,
             length_variation: 0.25,
             width: 0.035,
+            width_variation: 0.0,
             taper: 0.9,
-            bend: 0.45,
+            bend: 26.0,
+            fold: 0.0,
+            clump: 0.0,
+            clump_size: 12,
             root_color: Vec3::new(0.06, 0.1, 0.02),
             tip_color: Vec3::new(0.28, 0.42, 0.09),
+            other_tip_color: Vec3::new(0.28, 0.42, 0.09),
             color_variation: 0.3,
             dry: 0.1,
             dry_color: Vec3::new(0.5, 0.4, 0.18),
@@ -74,42 +91,68 @@ impl Grass {
             length: 0.7,
             length_variation: 0.15,
             width: 0.03,
+            width_variation: 0.2,
             taper: 0.75,
-            bend: 0.35,
+            bend: 20.0,
+            fold: 15.0,
+            clump: 0.1,
             root_color: Vec3::new(0.05, 0.11, 0.02),
             tip_color: Vec3::new(0.2, 0.4, 0.07),
+            other_tip_color: Vec3::new(0.26, 0.42, 0.06),
             color_variation: 0.2,
             dry: 0.02,
             ..Self::meadow()
         }
     }
 
-    fn blade(&self, i: u32, geometry: &mut Geometry) {
+    /// Long narrow blades in tufts that bend far over, with much dry grass between the green.
+    pub fn tussock() -> Self {
+        Self {
+            count: 420,
+            length: 0.98,
+            length_variation: 0.3,
+            width: 0.022,
+            width_variation: 0.4,
+            taper: 1.0,
+            bend: 38.0,
+            fold: 25.0,
+            clump: 0.5,
+            clump_size: 24,
+            root_color: Vec3::new(0.09, 0.11, 0.025),
+            tip_color: Vec3::new(0.22, 0.36, 0.07),
+            other_tip_color: Vec3::new(0.42, 0.44, 0.11),
+            color_variation: 0.25,
+            dry: 0.22,
+            dry_color: Vec3::new(0.58, 0.46, 0.22),
+            segments: 6,
+            ..Self::meadow()
+        }
+    }
+
+    fn blade(&self, i: u32, tufts: &Clumps, geometry: &mut Geometry) {
         let random = &mut Random::new(self.seed, i.into());
-        let root = scattered(i, self.count, random).extend(0.0);
+        let root = scattered(i, self.count, LOOSELY, random);
+        let root = root.lerp(tufts.nearest(root), self.clump).extend(0.0);
         let length = self.length * (1.0 + self.length_variation * random.signed());
-        let length = length.clamp(0.0, 0.98);
-        // It bends over its flat side.
         let ahead = Vec2::from_angle(TAU * random.unit());
-        let across = ahead.perp().extend(0.0) * (0.5 * self.width);
-        let bend = 2.0 * self.bend * random.unit();
+        let bend = 2.0 * self.bend.to_radians() * random.unit();
         let dry = random.unit() < self.dry;
         let shade = 1.0 + self.color_variation * random.signed();
-        let segments = self.segments as f32;
-        let half_width = |x: f32| across * (1.0 - self.taper * x * x);
-        let mut below = root;
-        for k in 0..self.segments {
-            let [from, middle, to] = [0.0, 0.5, 1.0].map(|part| (k as f32 + part) / segments);
-            // An arc: the angle grows evenly along it.
-            let (sine, cosine) = (bend * middle).sin_cos();
-            let above = below + (ahead * sine).extend(cosine) * (length / segments);
-            let color =
-                if dry { self.dry_color } else { self.root_color.lerp(self.tip_color, middle) } * shade;
-            let [wide, narrow] = [half_width(from), half_width(to)];
-            let quad = [below - wide, below + wide, above + narrow, above - narrow];
-            geometry.push_quad(quad, color.clamp(Vec3::ZERO, Vec3::ONE));
-            below = above;
-        }
+        let width = self.width * (1.0 + self.width_variation * random.signed());
+        let tip_color = self.tip_color.lerp(self.other_tip_color, random.unit());
+        let blade = Blade {
+            base: root,
+            along: Vec3::Z,
+            // It bends over its flat side.
+            normal: -ahead.extend(0.0),
+            length: length.clamp(0.0, 0.98),
+            droop: bend,
+            fold: self.fold.to_radians(),
+            segments: self.segments,
+        };
+        let half_width = |x: f32| 0.5 * width * (1.0 - self.taper * x * x);
+        let color = |x: f32| if dry { self.dry_color } else { self.root_color.lerp(tip_color, x) } * shade;
+        blade.grow(geometry, half_width, color);
     }
 }
 
@@ -125,28 +168,17 @@ impl Procedure for Grass {
     }
 
     fn validate(&self) -> Result<(), BuildError> {
-        COUNT.check("count", self.count)?;
-        UNIT.check("length", self.length)?;
-        UNIT.check("length_variation", self.length_variation)?;
-        RADIUS.check("width", self.width)?;
-        UNIT.check("taper", self.taper)?;
-        Domain::new(0.0, 1.5, "0 to 1.5").check("bend", self.bend)?;
-        UNIT.check_each("root_color", self.root_color.as_ref())?;
-        UNIT.check_each("tip_color", self.tip_color.as_ref())?;
-        UNIT.check("color_variation", self.color_variation)?;
-        UNIT.check("dry", self.dry)?;
-        UNIT.check_each("dry_color", self.dry_color.as_ref())?;
-        UNIT.check("specular", self.specular)?;
-        UNIT.check("roughness", self.roughness)?;
-        SEGMENTS.check("segments", self.segments)?;
-        at_most_triangles(self.count, 2 * self.segments)
+        check(&self.parameters())?;
+        let triangles = Blade::triangles(self.segments, self.fold > 0.0, false, self.taper == 1.0);
+        at_most_triangles(u64::from(self.count) * u64::from(triangles))
     }
 
     fn geometry(&self) -> Geometry {
         let mut geometry =
             Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let tufts = Clumps::new(self.count / self.clump_size.max(1), self.seed ^ 0x7af7);
         for i in 0..self.count {
-            self.blade(i, &mut geometry);
+            self.blade(i, &tufts, &mut geometry);
         }
         geometry
     }

@@ -4,38 +4,38 @@ use core::f32::consts::TAU;
 
 use glam::{Vec2, Vec3};
 
-use super::domain::{COUNT, Domain, RADIUS, UNIT, at_most_triangles};
-use super::scatter::scattered;
+use super::parameter::{at_most_triangles, check, parameters};
+use super::scatter::{LOOSELY, scattered};
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
 
-/// Leaves over one tile. Lengths are in texel edges: the tile is 1 wide, the texel 1 high.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Leaves {
-    /// Which of the many bushes with these settings.
-    pub seed: u64,
-    /// Leaves in the tile, 1 to 10⁶.
-    pub count: u32,
-    /// Length of a leaf from its stalk to its tip, 0 to ½. None reaches out of the texel above or below.
-    pub size: f32,
-    /// Relative variation of the size, 0 to 1.
-    pub size_variation: f32,
-    /// Width of a leaf over its length, 0 to 2.
-    pub aspect: f32,
-    /// How they are turned, 0 to 1: 0 for all level, 1 for every direction alike. The cosine between a leaf's normal
-    /// and the upright is evenly spread from 1 − `tilt` to 1.
-    pub tilt: f32,
-    /// Linear albedo of the leaves at one end of the range of hues.
-    pub color: Vec3,
-    /// Linear albedo of those at the other end.
-    pub other_color: Vec3,
-    /// Relative variation of brightness between leaves, 0 to 1.
-    pub color_variation: f32,
-    /// Specular albedo, 0 to 1.
-    pub specular: f32,
-    /// Roughness of the highlight, 0 to 1.
-    pub roughness: f32,
+parameters! {
+    /// Small flat leaves in mid-air, without twigs.
+    pub struct Leaves {
+        /// Which of the many bushes with these settings.
+        seed: u64,
+        /// Leaves in a copy.
+        count: u32 in 1..=1_000_000 ["leaves"],
+        /// Length of a leaf from its stalk to its tip. None reaches out of the texel above or below.
+        size: f32 in 0..=0.5 ["texel edges"],
+        /// Relative variation of the size.
+        size_variation: f32 in 0..=1,
+        /// Width of a leaf over its length.
+        aspect: f32 in 0..=2,
+        /// How they are turned: 0 for all level, 1 for every direction alike. The cosine between a leaf's normal and
+        /// the upright is evenly spread from 1 − `tilt` to 1.
+        tilt: f32 in 0..=1,
+        /// Colour of the leaves at one end of the range.
+        color: Vec3 in 0..=1,
+        /// Colour of those at the other end.
+        other_color: Vec3 in 0..=1,
+        /// Relative variation of brightness between leaves.
+        color_variation: f32 in 0..=1,
+        /// Specular albedo.
+        specular: f32 in 0..=1,
+        /// Roughness of the highlight.
+        roughness: f32 in 0..=1,
+    }
 }
 
 impl Leaves {
@@ -58,7 +58,7 @@ impl Leaves {
 
     fn leaf(&self, i: u32, geometry: &mut Geometry) {
         let random = &mut Random::new(self.seed, i.into());
-        let place = scattered(i, self.count, random);
+        let place = scattered(i, self.count, LOOSELY, random);
         let size = (self.size * (1.0 + self.size_variation * random.signed())).min(1.0);
         let z = 1.0 - self.tilt * random.unit();
         let normal = (Vec2::from_angle(TAU * random.unit()) * (1.0 - z * z).max(0.0).sqrt()).extend(z);
@@ -89,17 +89,8 @@ impl Procedure for Leaves {
     }
 
     fn validate(&self) -> Result<(), BuildError> {
-        COUNT.check("count", self.count)?;
-        RADIUS.check("size", self.size)?;
-        UNIT.check("size_variation", self.size_variation)?;
-        Domain::new(0.0, 2.0, "0 to 2").check("aspect", self.aspect)?;
-        UNIT.check("tilt", self.tilt)?;
-        UNIT.check_each("color", self.color.as_ref())?;
-        UNIT.check_each("other_color", self.other_color.as_ref())?;
-        UNIT.check("color_variation", self.color_variation)?;
-        UNIT.check("specular", self.specular)?;
-        UNIT.check("roughness", self.roughness)?;
-        at_most_triangles(self.count, 2)
+        check(&self.parameters())?;
+        at_most_triangles(2 * u64::from(self.count))
     }
 
     fn geometry(&self) -> Geometry {

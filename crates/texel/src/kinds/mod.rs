@@ -3,36 +3,141 @@
 //! Every kind is a plain struct of parameters in texel edges, with its presets as constructors. It repeats in s and t,
 //! and is the same bits from the same parameters.
 
-mod domain;
+mod blade;
+mod clumps;
+mod curve;
+mod foliage;
 mod fur;
 mod grass;
+mod hypertexture;
 mod leaves;
+mod moss;
+mod needles;
+mod parameter;
+mod pile;
 mod scatter;
 mod sheet;
 mod spheres;
+mod tube;
+mod within;
 
+pub use foliage::Foliage;
 pub use fur::Fur;
 pub use grass::Grass;
+pub use hypertexture::Hypertexture;
 pub use leaves::Leaves;
+pub use moss::Moss;
+pub use needles::Needles;
+pub use parameter::{Domain, Parameter, Value};
+pub use pile::Pile;
 pub use sheet::Sheet;
 pub use spheres::Spheres;
 
-use crate::{BuildError, Geometry, Procedure};
+use crate::{BuildError, Density, Geometry, Procedure};
 
-/// Content that grows from a few numbers.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum Kind {
+/// Declares the kinds, once: [`Kind`], its presets, and what each variant answers by asking its parameters.
+macro_rules! kinds {
+    ($($(#[doc = $about:literal])+ $kind:ident $name:literal: $($preset:ident $what:literal),+;)+) => {
+        /// Content that grows from a few numbers.
+        #[derive(Clone, Debug, PartialEq)]
+        #[cfg_attr(
+            feature = "serde",
+            derive(serde::Serialize, serde::Deserialize),
+            serde(rename_all = "lowercase")
+        )]
+        pub enum Kind {$(
+            $(#[doc = $about])+
+            $kind($kind),
+        )+}
+
+        const PRESET_COUNT: usize = [$($(stringify!($preset)),+),+].len();
+
+        impl Kind {
+            /// Every preset of every kind; the first of a kind is its default.
+            pub const PRESETS: [Preset; PRESET_COUNT] = [$($(Preset {
+                kind: $name,
+                name: stringify!($preset),
+                about: $what,
+                make: || Self::$kind($kind::$preset()),
+            }),+),+];
+
+            /// What it is, in a sentence or two.
+            pub fn about(&self) -> &'static str {
+                match self {$(
+                    Self::$kind(_) => $kind::ABOUT,
+                )+}
+            }
+
+            /// What can be set of it, and what it is set to.
+            pub fn parameters(&self) -> Vec<Parameter> {
+                match self {$(
+                    Self::$kind(kind) => kind.parameters(),
+                )+}
+            }
+
+            fn procedure(&self) -> &dyn Procedure {
+                match self {$(
+                    Self::$kind(kind) => kind,
+                )+}
+            }
+        }
+
+        $(impl From<$kind> for Kind {
+            fn from(kind: $kind) -> Self {
+                Self::$kind(kind)
+            }
+        })+
+    };
+}
+
+kinds! {
     /// Strands.
-    Fur(Fur),
+    Fur "fur":
+        long "soft, in loose locks",
+        short "smooth, hardly curled",
+        plush "dense, even and matt, like velvet or a soft toy",
+        fleece "tight crimped locks, like a lamb's",
+        hair "few and thin";
     /// Blades.
-    Grass(Grass),
+    Grass "grass":
+        meadow "tall and loose, some of it dry",
+        lawn "dense, even and green",
+        tussock "long narrow blades in tufts, much of it dry";
+    /// Cushions of small shoots.
+    Moss "moss":
+        cushion "soft and rounded, as on a boulder or a roof",
+        star "large separate shoots, like green stars from above";
+    /// Carpet.
+    Pile "pile":
+        cut "cut pile of twisted yarn",
+        loops "uncut loops in rows, in two colours",
+        shag "long heavy yarn that lies over";
+    /// Twigs with leaves.
+    Foliage "foliage":
+        shrub "a hedge of oval leaves",
+        ivy "broad heart-shaped leaves",
+        willow "long narrow leaves on twigs that hang over",
+        autumn "a beech in October";
+    /// Conifer shoots.
+    Needles "needles":
+        spruce "stiff short needles all around",
+        fir "flat needles combed to both sides",
+        pine "long needles in pairs";
+    /// A soft shape that noise displaces.
+    Hypertexture "hypertexture":
+        calm "a ball with hardly any noise",
+        rough "a ball that noise has made a rock",
+        wild "a ball that noise tears apart",
+        clouds "a layer of billows";
     /// Small flat leaves in mid-air.
-    Leaves(Leaves),
+    Leaves "leaves":
+        green "a hedge in early summer";
     /// One plane.
-    Sheet(Sheet),
+    Sheet "sheet":
+        tilted "rising along s like the slates of a roof";
     /// A lattice of balls.
-    Spheres(Spheres),
+    Spheres "spheres":
+        lattice "eight, with gaps";
 }
 
 /// A named set of parameters of a kind.
@@ -42,31 +147,18 @@ pub struct Preset {
     pub kind: &'static str,
     /// Its own name among those of the kind.
     pub name: &'static str,
+    /// What it is like, in a few words.
+    pub about: &'static str,
     /// Makes it.
     pub make: fn() -> Kind,
 }
 
 impl Kind {
-    /// Every preset of every kind; the first of a kind is its default.
-    pub const PRESETS: [Preset; 9] = [
-        Preset { kind: "fur", name: "long", make: || Self::Fur(Fur::long()) },
-        Preset { kind: "fur", name: "short", make: || Self::Fur(Fur::short()) },
-        Preset { kind: "fur", name: "plush", make: || Self::Fur(Fur::plush()) },
-        Preset { kind: "fur", name: "hair", make: || Self::Fur(Fur::hair()) },
-        Preset { kind: "grass", name: "meadow", make: || Self::Grass(Grass::meadow()) },
-        Preset { kind: "grass", name: "lawn", make: || Self::Grass(Grass::lawn()) },
-        Preset { kind: "leaves", name: "green", make: || Self::Leaves(Leaves::green()) },
-        Preset { kind: "sheet", name: "tilted", make: || Self::Sheet(Sheet::tilted()) },
-        Preset { kind: "spheres", name: "lattice", make: || Self::Spheres(Spheres::lattice()) },
-    ];
-
-    fn procedure(&self) -> &dyn Procedure {
+    /// Its density, if it is one: such a kind has no triangles.
+    pub fn density(&self) -> Option<Density> {
         match self {
-            Self::Fur(fur) => fur,
-            Self::Grass(grass) => grass,
-            Self::Leaves(leaves) => leaves,
-            Self::Sheet(sheet) => sheet,
-            Self::Spheres(spheres) => spheres,
+            Self::Hypertexture(hypertexture) => Some(hypertexture.density()),
+            _ => None,
         }
     }
 }
@@ -89,35 +181,5 @@ impl Procedure for Kind {
 
     fn geometry(&self) -> Geometry {
         self.procedure().geometry()
-    }
-}
-
-impl From<Fur> for Kind {
-    fn from(fur: Fur) -> Self {
-        Self::Fur(fur)
-    }
-}
-
-impl From<Grass> for Kind {
-    fn from(grass: Grass) -> Self {
-        Self::Grass(grass)
-    }
-}
-
-impl From<Leaves> for Kind {
-    fn from(leaves: Leaves) -> Self {
-        Self::Leaves(leaves)
-    }
-}
-
-impl From<Sheet> for Kind {
-    fn from(sheet: Sheet) -> Self {
-        Self::Sheet(sheet)
-    }
-}
-
-impl From<Spheres> for Kind {
-    fn from(spheres: Spheres) -> Self {
-        Self::Spheres(spheres)
     }
 }

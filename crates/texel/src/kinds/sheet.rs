@@ -2,24 +2,24 @@
 
 use glam::{Vec2, Vec3};
 
-use super::domain::{SLOPE, UNIT};
+use super::parameter::{check, parameters};
 use crate::{BuildError, Geometry, Procedure};
 
-/// A plane at w = `height` + `slope` · (s − ½, t − ½). What lies above or below the texel is cut off; a sloping sheet
-/// has a step between one tile and the next.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Sheet {
-    /// w in the middle of the tile, 0 to 1.
-    pub height: f32,
-    /// Change of w per unit of s and of t, each −10 to 10.
-    pub slope: Vec2,
-    /// Linear albedo.
-    pub color: Vec3,
-    /// Specular albedo, 0 to 1.
-    pub specular: f32,
-    /// Roughness of the highlight, 0 to 1.
-    pub roughness: f32,
+parameters! {
+    /// A plane at w = `height` + `slope` · (s − ½, t − ½). What lies above or below the texel is cut off; a sloping sheet
+    /// has a step between one tile and the next.
+    pub struct Sheet {
+        /// w in the middle of the tile.
+        height: f32 in 0..=1 ["texel edges"],
+        /// Change of w per unit of s and of t.
+        slope: Vec2 in -10..=10 ["texel edges a texel edge"],
+        /// Its colour.
+        color: Vec3 in 0..=1,
+        /// Specular albedo.
+        specular: f32 in 0..=1,
+        /// Roughness of the highlight.
+        roughness: f32 in 0..=1,
+    }
 }
 
 impl Sheet {
@@ -47,11 +47,7 @@ impl Procedure for Sheet {
     }
 
     fn validate(&self) -> Result<(), BuildError> {
-        UNIT.check("height", self.height)?;
-        SLOPE.check_each("slope", self.slope.as_ref())?;
-        UNIT.check_each("color", self.color.as_ref())?;
-        UNIT.check("specular", self.specular)?;
-        UNIT.check("roughness", self.roughness)
+        check(&self.parameters())
     }
 
     fn geometry(&self) -> Geometry {

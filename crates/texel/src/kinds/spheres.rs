@@ -4,25 +4,25 @@ use core::f32::consts::{PI, TAU};
 
 use glam::{UVec3, Vec2, Vec3};
 
-use super::domain::{Domain, UNIT, at_most_triangles};
+use super::parameter::{at_most_triangles, check, parameters};
 use crate::{BuildError, Geometry, Procedure};
 
-/// `side`³ equal spheres, each in the middle of its cell of the texel.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Spheres {
-    /// Spheres along each edge of the texel, 1 to 64.
-    pub side: u32,
-    /// Radius over half the distance between neighbours, 0 to 1: 1 for spheres that touch.
-    pub fill: f32,
-    /// Linear albedo.
-    pub color: Vec3,
-    /// Specular albedo, 0 to 1.
-    pub specular: f32,
-    /// Roughness of the highlight, 0 to 1.
-    pub roughness: f32,
-    /// Rings of triangles from pole to pole, 2 to 256; twice as many around.
-    pub rings: u32,
+parameters! {
+    /// `side`³ equal spheres, each in the middle of its cell of the texel.
+    pub struct Spheres {
+        /// Spheres along each edge of the texel.
+        side: u32 in 1..=64 ["spheres"],
+        /// Radius over half the distance between neighbours: 1 for spheres that touch.
+        fill: f32 in 0..=1,
+        /// Their colour.
+        color: Vec3 in 0..=1,
+        /// Specular albedo.
+        specular: f32 in 0..=1,
+        /// Roughness of the highlight.
+        roughness: f32 in 0..=1,
+        /// Rings of triangles from pole to pole; twice as many around.
+        rings: u32 in 2..=256 ["rings"],
+    }
 }
 
 impl Spheres {
@@ -65,13 +65,8 @@ impl Procedure for Spheres {
     }
 
     fn validate(&self) -> Result<(), BuildError> {
-        Domain::new(1.0, 64.0, "1 to 64").check("side", self.side)?;
-        UNIT.check("fill", self.fill)?;
-        UNIT.check_each("color", self.color.as_ref())?;
-        UNIT.check("specular", self.specular)?;
-        UNIT.check("roughness", self.roughness)?;
-        Domain::new(2.0, 256.0, "2 to 256").check("rings", self.rings)?;
-        at_most_triangles(self.side.pow(3), 4 * self.rings * (self.rings - 1))
+        check(&self.parameters())?;
+        at_most_triangles(u64::from(self.side.pow(3)) * u64::from(4 * self.rings * (self.rings - 1)))
     }
 
     fn geometry(&self) -> Geometry {

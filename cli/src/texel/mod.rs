@@ -1,0 +1,40 @@
+//! `pelage texel`: makes texels, keeps them in files, and shows what is in them.
+//!
+//! | subcommand | room |
+//! |---|---|
+//! | `bake` | [`bake`]: a model |
+//! | `grow` | [`grow`]: a kind, by its parameters |
+//! | `info` | [`info`] |
+//! | `kinds` | [`kinds`]: what grows, and what can be set of it |
+
+mod bake;
+mod grow;
+mod info;
+mod kinds;
+
+use clap::Subcommand;
+
+use crate::failure::Failure;
+
+/// What is done with texels.
+#[derive(Subcommand)]
+pub enum TexelCommand {
+    /// Make a texel of a model: any mesh with its materials and textures, and strands.
+    Bake(Box<bake::BakeArgs>),
+    /// Make a texel that grows: fur, grass, moss, carpet, …
+    Grow(Box<grow::GrowArgs>),
+    /// Tell what a texel file holds.
+    Info(info::InfoArgs),
+    /// List what grows, its presets and its parameters.
+    Kinds(kinds::KindsArgs),
+}
+
+/// Does it.
+pub fn run(command: &TexelCommand) -> Result<(), Failure> {
+    match command {
+        TexelCommand::Bake(args) => bake::run(args),
+        TexelCommand::Grow(args) => grow::run(args),
+        TexelCommand::Info(args) => info::run(args),
+        TexelCommand::Kinds(args) => kinds::run(args),
+    }
+}

@@ -1,0 +1,104 @@
+//! `pelage texel bake` from outside: exit codes, messages, files.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const TRIANGLE: &str = "mtllib a.mtl\nusemtl leaf\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// A folder with a triangle in it.
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().expect("a temporary folder"));
+        folder.write("a.obj", TRIANGLE);
+        folder.write("a.mtl", "newmtl leaf\nKd 0.2 0.6 0.1\n");
+        folder
+    }
+
+    fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn write(&self, name: &str, content: &str) {
+        fs::write(self.path().join(name), content).expect("a file");
+    }
+
+    /// Runs `pelage texel bake` in the folder with the words of `line` as arguments.
+    fn bake(&self, line: &str) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_pelage"))
+            .args(["texel", "bake"])
+            .args(line.split_whitespace())
+            .current_dir(self.path())
+            .output()
+            .expect("the program")
+    }
+
+    /// Runs a command that must fail with `code` and one line that contains `message`, and write nothing.
+    fn fails(&self, line: &str, code: i32, message: &str) {
+        let before = fs::read_dir(self.path()).expect("the folder").count();
+        let output = self.bake(line);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
+        assert!(said.contains(message), "{line}: {said}\nshould say: {message}");
+        assert_eq!(said.lines().count(), 1, "{line}: {said}");
+        assert_eq!(fs::read_dir(self.path()).expect("the folder").count(), before, "{line}");
+    }
+}
+
+#[test]
+fn a_texel_of_a_triangle() {
+    let folder = Folder::new();
+    let read = |name: &str| fs::read(folder.path().join(name)).expect("the texel");
+    for (name, options) in [("one", "-t 1"), ("two", "-t 2"), ("source", "--with-source")] {
+        let output = folder.bake(&format!("a.obj -o {name}.texel --name leaf --resolution 16 -q {options}"));
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stdout.is_empty() && output.stderr.is_empty());
+    }
+    assert_eq!(read("one.texel"), read("two.texel"));
+    assert!(read("source.texel").len() > read("one.texel").len());
+}
+
+#[test]
+fn warnings_are_told_unless_quiet() {
+    let folder = Folder::new();
+    folder.write("a.mtl", "newmtl leaf\nKe 1 0 0\n");
+    let said = |options: &str| {
+        let output = folder.bake(&format!("a.obj -o a.texel --resolution 8 {options}"));
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert_eq!(
+        said(""),
+        "warning: a.obj: the light that `leaf` gives off is left out: texels give off none\n"
+    );
+    assert_eq!(said("-q"), "");
+    assert!(said("-v").contains("1 triangles"));
+}
+
+#[test]
+fn mistakes_are_one_line() {
+    let folder = Folder::new();
+    folder.fails("b.obj -o b.texel", 2, "b.obj: cannot be read");
+    folder.fails("a.obj -o b.png", 2, "b.png: has an unknown extension: expected .texel");
+    folder.fails("a.obj -o nowhere/b.texel", 3, "nowhere/b.texel: cannot be written");
+    folder.fails("a.obj -o b.texel --fit keep --margin 0.1", 2, "--margin: means nothing with --fit keep");
+    folder.fails("a.obj -o b.texel --margin 0.5", 2, "a.obj: margin is 0.5, which is not in 0 to 0.45");
+    folder.write("far.obj", "v 7 0 0\nv 8 0 0\nv 7 1 0\nf 1 2 3\n");
+    folder.fails(
+        "far.obj -o b.texel --fit keep",
+        2,
+        "far.obj: none of it lies in the unit cube: it spans (7, 1, 0)",
+    );
+    folder.write("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.fails("nan.obj -o b.texel", 2, "nan.obj:1: `nan` is not a usable number");
+    folder.write("empty.obj", "v 0 0 0\n");
+    folder.fails("empty.obj -o b.texel", 2, "empty.obj: holds no faces");
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+    folder.fails("flat.obj -o b.texel", 2, "flat.obj: nothing in it has any area");
+    folder.write("line.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n");
+    folder.fails("line.obj -o b.texel", 2, "line.obj: 1 strands have no thickness of their own");
+    folder.write("a.mtl", "newmtl leaf\nd 0\n");
+    folder.fails("a.obj -o b.texel", 2, "a.obj: all of it is transparent or cut away: nothing is left");
+}
