@@ -33,7 +33,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
 
-    /// What grows: fur (fur:long, short, plush, hair), grass (grass:meadow, lawn), leaves, sheet, spheres or none
+    /// What grows: a kind (grass) or preset (fur:plush) that `pelage texel kinds` lists, a texel file (x.texel), or none
     /// [default: fur on a mesh file, what a .toml says]
     #[arg(long, value_parser = texel, help_heading = "Skin")]
     texel: Option<TexelArg>,
@@ -231,8 +231,6 @@ impl RenderArgs {
         render.spp = self.spp.or(render.spp);
         if render.method == Method::Reference {
             self.only_for_cones()?;
-            // Only what texels are made from is looked at: the fewest voxels will do.
-            scene.skin.iter_mut().for_each(|skin| skin.texel.resolution = 2);
         }
         let render = &mut scene.render;
         render.crop = self.crop.or(render.crop);
@@ -284,7 +282,9 @@ impl RenderArgs {
             return Err(FieldError { file: self.scene.clone(), field: flag.into(), reason });
         }
         for skin in skins {
-            set(&mut skin.texel.resolution, self.resolution);
+            if let Some(wanted) = self.resolution {
+                set_resolution(&mut skin.texel, wanted, &self.scene)?;
+            }
             set(&mut skin.tint, self.tint);
             set(&mut skin.lean, self.lean);
             set(&mut skin.folds, self.folds);
@@ -329,6 +329,14 @@ pub fn open(path: &Path) -> Result<SceneFile, Error> {
             Err(Fault::Extension { expected }.at(path, Place::File).into())
         }
     }
+}
+
+/// Builds the texel so fine; one from a file is as fine as it is.
+pub fn set_resolution(texel: &mut TexelEntry, wanted: u32, scene: &Path) -> Result<(), FieldError> {
+    let reason = "means nothing to a texel from a file, which has its own".to_owned();
+    let field = || FieldError { file: scene.to_owned(), field: "--resolution".into(), reason };
+    *texel.resolution_mut().ok_or_else(field)? = wanted;
+    Ok(())
 }
 
 fn set<T>(field: &mut T, flag: Option<T>) {

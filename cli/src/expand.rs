@@ -1,4 +1,4 @@
-//! `pelage expand`: load, extrude, bake, compile, count, write.
+//! `pelage expand`: load, extrude, grow, compile, count, write.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -63,8 +63,6 @@ pub struct ExpandArgs {
 pub fn run(args: &ExpandArgs) -> Result<(), Failure> {
     let mut scene = open(&args.scene)?;
     scene.allow_dirs.clone_from(&args.allow_dir);
-    // Only what texels are made from is looked at: the fewest voxels will do.
-    scene.skin.iter_mut().for_each(|skin| skin.texel.resolution = 2);
     let format = check_model(&args.output).map_err(pelage::Error::from)?;
     interrupt::listen()?;
     pool(args.threads)?.install(|| model(args, scene, format))
@@ -85,7 +83,7 @@ fn model(
     tell_of_input(&loaded, volume);
     let skins = stage("extrude", volume, &mut stats, |_| loaded.extrude())?;
     tell_of_skins(&skins, &loaded, volume, &mut stats);
-    let texels = stage("bake", volume, &mut stats, |stage| loaded.bake(&|f| stage.update(f)))?;
+    let texels = stage("grow", volume, &mut stats, |_| loaded.unbaked())?;
     let prepared = stage("compile", volume, &mut stats, |_| loaded.compile(&texels, skins))?;
     let expansion =
         stage("count", volume, &mut stats, |_| Ok(Expansion::new(&prepared.scene, args.tolerance)?))?;

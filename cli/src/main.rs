@@ -5,6 +5,8 @@
 //! | `render` | [`render`]: its stages; [`args`]: its flags |
 //! | `expand` | [`expand`] |
 //! | `compare` | [`compare`] |
+//! | `skin` | [`skin`]: a file for each of its own subcommands |
+//! | `texel` | [`texel`]: a file for each of its own subcommands |
 //! | `validate` | [`validate`] |
 //!
 //! stdout carries only data that was asked for; everything said to people goes to stderr.
@@ -16,7 +18,9 @@ mod failure;
 mod interrupt;
 mod progress;
 mod render;
+mod skin;
 mod stats;
+mod texel;
 mod validate;
 
 use std::process::ExitCode;
@@ -39,6 +43,12 @@ enum Command {
     Expand(expand::ExpandArgs),
     /// Measure how far a picture is from its reference.
     Compare(compare::CompareArgs),
+    /// Look at skins without rendering them.
+    #[command(subcommand)]
+    Skin(skin::SkinCommand),
+    /// Make texels, keep them in files, and see what is in them.
+    #[command(subcommand)]
+    Texel(texel::TexelCommand),
     /// Measure how far a scene's cone pictures are from what its geometry shows, at every distance.
     Validate(Box<validate::ValidateArgs>),
 }
@@ -52,6 +62,8 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Expand(args) => expand::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Skin(command) => skin::run(&command),
+        Command::Texel(command) => texel::run(&command),
         Command::Validate(args) => validate::run(&args),
     };
     match outcome {

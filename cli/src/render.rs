@@ -115,6 +115,9 @@ pub fn tell_of_skins(skins: &[Dressed], loaded: &Loaded, volume: Volume, stats: 
         if volume == Volume::Verbose {
             let report = report.to_string().replace('\n', "; ");
             say(format_args!("skin[{}] on `{mesh}`: {report}", dressed.entry));
+            for (step, effect) in dressed.effects.iter().enumerate() {
+                say(format_args!("skin[{}] on `{mesh}`: groom[{step}]: {effect}", dressed.entry));
+            }
         } else if volume > Volume::Quiet && report.left_out() > 0 {
             // A bald spot is the one thing that nobody should have to find out from the picture.
             say(format_args!(

@@ -13,7 +13,7 @@ use pelage_validate::{
     Distance, Goals, Lights, NORMAL_PPD, Plan, SightError, Study, StudyError, page, study, table,
 };
 
-use crate::args::{choice, open, positive, threads};
+use crate::args::{choice, open, positive, set_resolution, threads};
 use crate::compare::ppd;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -207,7 +207,7 @@ fn scene(args: &ValidateArgs, path: &Path) -> Result<SceneFile, Failure> {
     for skin in &mut scene.skin {
         skin.height = args.height.or(skin.height);
         if let Some(resolution) = args.resolution {
-            skin.texel.resolution = resolution;
+            set_resolution(&mut skin.texel, resolution, path).map_err(pelage::Error::from)?;
         }
     }
     scene.render.rays = args.rays.unwrap_or(scene.render.rays);

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use pelage::geom::glam::{Vec2, Vec3};
 use pelage::geom::{Face, Material, MaterialId, Mesh};
-use pelage::skin::{Lattice, Patch, Report, Skin};
+use pelage::skin::{Lattice, Patch, Skin};
 use pelage::texel::{BuildOptions, Geometry, Texel, build};
 use pelage::tracer::{Camera, Coat, Description, Environment, Film, Scene, Settings, render};
 
@@ -17,7 +17,7 @@ use pelage::tracer::{Camera, Coat, Description, Environment, Film, Scene, Settin
 pub fn one_box(base: [Vec3; 4], top: [Vec3; 4]) -> Skin {
     let patch =
         Patch { vertices: [0, 1, 2, 3], face: 0, material: MaterialId::default(), lattice: Lattice::UNIT };
-    Skin { base: base.into(), top: top.into(), patches: vec![patch], uvs: None, report: Report::default() }
+    Skin { base: base.into(), top: top.into(), patches: vec![patch], ..Skin::default() }
 }
 
 /// The unit cube with its top twisted by `twist` radians about its axis and pushed aside by `shear`.

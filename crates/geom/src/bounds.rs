@@ -43,11 +43,15 @@ impl Certificate {
 /// Most boxes are decided at once. A determinant within rounding of zero counts as zero: a flat or collapsed box is
 /// [`Certificate::Folded`], as is one with corners that are not finite.
 pub fn certify(hexahedron: &Hexahedron, max_depth: u32) -> Certificate {
-    let map = hexahedron.map();
+    certify_map(hexahedron.map(), hexahedron.is_prism(), max_depth)
+}
+
+/// The same for the map alone, where no hexahedron is at hand; `prism` says that only its half under u + v ≤ 1 counts.
+pub fn certify_map(map: &DTrilinear, prism: bool, max_depth: u32) -> Certificate {
     if !map.corners.iter().all(|c| c.is_finite()) {
         return Certificate::Folded { at: DVec3::splat(0.5), determinant: f64::NAN };
     }
-    if hexahedron.is_prism() { certify_prism(map) } else { certify_cuboid(map, max_depth) }
+    if prism { certify_prism(map) } else { certify_cuboid(map, max_depth) }
 }
 
 /// Bounds the rounding of a coefficient, relative to the longest edges: some forty roundings, with margin.

@@ -26,14 +26,14 @@ pub mod texture;
 pub mod trilinear;
 pub mod wall;
 
-pub use bounds::{Certificate, certify};
+pub use bounds::{Certificate, certify, certify_map};
 pub use cone::{Cone, Footprint, texel_footprint};
 pub use ellipsoid::{Ellipsoid, VisibleNormals};
 pub use glam;
 pub use hexahedron::{Hexahedron, Passage, Passages};
 pub use inverse::InverseError;
-pub use material::{Material, MaterialId};
-pub use mesh::{Face, Mesh, MeshError};
+pub use material::{Alpha, AlphaMode, Material, MaterialId};
+pub use mesh::{Attribute, Face, Mesh, MeshError};
 pub use ray::Ray;
 pub use symmetric::Symmetric3;
 pub use texture::{Texture, TextureId};

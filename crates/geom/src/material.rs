@@ -23,6 +23,38 @@ pub struct Material {
     pub roughness: f32,
     /// Light given off, in radiance.
     pub emissive: Vec3,
+    /// How much of the surface is there.
+    pub alpha: Alpha,
+}
+
+/// How much of a surface is there. Texels are made from what is; an opaque mesh is rendered whole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alpha {
+    /// How it is understood.
+    pub mode: AlphaMode,
+    /// Multiplies the texture's, in `[0,1]`.
+    pub factor: f32,
+    /// A texture whose three channels all hold alpha; found through the texture coordinates of the base colour.
+    pub texture: Option<TextureId>,
+}
+
+/// What alpha means. \[glTF §3.9.4\]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing: all is there.
+    #[default]
+    Opaque,
+    /// What is below this is cut away, the rest is there.
+    Mask(f32),
+    /// The fraction of the surface that is there.
+    Blend,
+}
+
+impl Default for Alpha {
+    /// All is there.
+    fn default() -> Self {
+        Self { mode: AlphaMode::Opaque, factor: 1.0, texture: None }
+    }
 }
 
 impl Default for Material {
@@ -35,6 +67,7 @@ impl Default for Material {
             specular: 0.0,
             roughness: 0.6,
             emissive: Vec3::ZERO,
+            alpha: Alpha::default(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! An indexed mesh of triangles and quads, as importers make it and skins stand on it.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::MaterialId;
 
@@ -53,6 +53,20 @@ pub struct Mesh {
     pub uvs: Option<Vec<[Vec2; 4]>>,
     /// Shading normals by face and corner, unit length.
     pub normals: Option<Vec<[Vec3; 4]>>,
+    /// Linear colours and alpha by face and corner, which multiply the material's. Only content that texels are made
+    /// from has them.
+    pub colors: Option<Vec<[Vec4; 4]>>,
+    /// What else the file says of each vertex.
+    pub attributes: Vec<Attribute>,
+}
+
+/// One number a vertex, by name: a painted weight, a length, a stiffness.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Attribute {
+    /// As in the file, with the component after a dot where there are several: `_LENGTH`, `COLOR_0.r`.
+    pub name: String,
+    /// By vertex.
+    pub values: Vec<f32>,
 }
 
 /// What makes a mesh unusable; each variant says where.
@@ -86,12 +100,22 @@ pub enum MeshError {
         /// What it holds.
         position: Vec3,
     },
+    /// A vertex attribute has not one entry a vertex, or holds numbers that are not finite.
+    #[error("mesh `{mesh}`: attribute `{attribute}` is unusable at vertex {vertex}")]
+    VertexAttribute {
+        /// The mesh's name.
+        mesh: String,
+        /// The attribute's name.
+        attribute: String,
+        /// The first vertex without a usable entry.
+        vertex: usize,
+    },
     /// An attribute list has not one entry a face, or holds numbers that are not finite.
     #[error("mesh `{mesh}`: attribute `{attribute}` is unusable at face {face}")]
     Attribute {
         /// The mesh's name.
         mesh: String,
-        /// `uvs` or `normals`.
+        /// `uvs`, `normals` or `colors`.
         attribute: &'static str,
         /// The first face without a usable entry.
         face: usize,
@@ -129,12 +153,24 @@ impl Mesh {
         let usable_normal = |i: usize, normals: &[[Vec3; 4]]| {
             normals.get(i).is_some_and(|c| c[..self.faces[i].corners().len()].iter().all(|x| x.is_finite()))
         };
+        let usable_color = |i: usize, colors: &[[Vec4; 4]]| {
+            colors.get(i).is_some_and(|c| c[..self.faces[i].corners().len()].iter().all(|x| x.is_finite()))
+        };
         for face in 0..self.faces.len() {
             if self.uvs.as_ref().is_some_and(|uvs| !usable_uv(face, uvs)) {
                 return Err(MeshError::Attribute { mesh: mesh(), attribute: "uvs", face });
             }
             if self.normals.as_ref().is_some_and(|normals| !usable_normal(face, normals)) {
                 return Err(MeshError::Attribute { mesh: mesh(), attribute: "normals", face });
+            }
+            if self.colors.as_ref().is_some_and(|colors| !usable_color(face, colors)) {
+                return Err(MeshError::Attribute { mesh: mesh(), attribute: "colors", face });
+            }
+        }
+        for Attribute { name, values } in &self.attributes {
+            let usable = |i: usize| values.get(i).is_some_and(|x| x.is_finite());
+            if let Some(vertex) = (0..count.max(values.len())).find(|&i| i >= count || !usable(i)) {
+                return Err(MeshError::VertexAttribute { mesh: mesh(), attribute: name.clone(), vertex });
             }
         }
         Ok(())
@@ -173,6 +209,9 @@ impl Mesh {
             }
             if let Some(normals) = &mut self.normals {
                 normals[i].swap(1, last);
+            }
+            if let Some(colors) = &mut self.colors {
+                colors[i].swap(1, last);
             }
         }
     }

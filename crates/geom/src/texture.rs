@@ -41,6 +41,11 @@ impl Texture {
         [self.levels[0].width, self.levels[0].height]
     }
 
+    /// The pixels of the finest level, row by row from the top.
+    pub fn pixels(&self) -> &[Vec3] {
+        &self.levels[0].pixels
+    }
+
     /// The colour at `uv` (v upwards), averaged over about `footprint` in units of uv: bilinear within a level,
     /// linear between two.
     pub fn sample(&self, uv: Vec2, footprint: f32) -> Vec3 {

@@ -1,10 +1,11 @@
 //! The words by which scene files and command lines name choices: one parser for both.
 
 use pelage_geom::Footprint;
-use pelage_skin::Folds;
+use pelage_skin::{Folds, Layout};
 use pelage_tracer::{Lod, Opacity, Path, Rays};
 use serde::{Deserializer, de};
 
+use crate::bake::Fit;
 use crate::import::Up;
 use crate::output::Tone;
 
@@ -63,11 +64,14 @@ macro_rules! words {
 }
 
 words!(Up, "y or z", "y" => Up::Y, "z" => Up::Z);
+words!(Fit, "cube, floor or keep", "cube" => Fit::Cube, "floor" => Fit::Floor, "keep" => Fit::Keep);
 words!(Rays, "1, 4 or 16", "1" => Rays::One, "4" => Rays::Four, "16" => Rays::Sixteen);
 words!(Path, "curved or straight", "curved" => Path::Curved, "straight" => Path::Straight);
 words!(Opacity, "exponential or linear", "exponential" => Opacity::Exponential, "linear" => Opacity::Linear);
 words!(Tone, "filmic or none", "filmic" => Tone::Filmic, "none" => Tone::None);
 words!(Method, "cone or reference", "cone" => Method::Cone, "reference" => Method::Reference);
+words!(Layout, "auto, uv or per-patch",
+    "auto" => Layout::Auto, "uv" => Layout::Uv, "per-patch" => Layout::PerPatch);
 words!(Folds, "mend, leave-out or refuse",
     "mend" => Folds::Mend, "leave-out" => Folds::LeaveOut, "refuse" => Folds::Refuse);
 

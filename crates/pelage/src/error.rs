@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use pelage_skin::SkinError;
 use pelage_texel::BuildError;
+use pelage_texel::file::FileError;
 use pelage_tracer::reference::ReferenceError;
 use pelage_tracer::{RenderError, SceneError};
 
+use crate::bake::BakeError;
 use crate::expand::ExpandError;
 use crate::import::ImportError;
 use crate::output::OutputError;
@@ -40,6 +42,17 @@ pub enum Error {
         field: String,
         /// What is wrong.
         source: BuildError,
+    },
+    /// A model cannot become the content of a texel.
+    #[error(transparent)]
+    Bake(#[from] BakeError),
+    /// A texel file cannot be read, or a texel not be put in one.
+    #[error("{}: {source}", path.display())]
+    TexelFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: FileError,
     },
     /// A skin cannot be made as described.
     #[error("{field}: {source}")]

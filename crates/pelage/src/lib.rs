@@ -43,17 +43,21 @@
 //! | | |
 //! |---|---|
 //! | [`import`] | OBJ and glTF files to meshes, materials, cameras and lights |
+//! | [`bake`] | models become the content of texels |
 //! | [`scene_file`], [`choices`] | the description of a scene: TOML files and flags |
 //! | [`compile`] | a description becomes a scene, stage by stage |
 //! | [`staging`] | camera, light and exposure where there are none |
 //! | [`compose`], [`output`] | a background behind the film; PNG and EXR files |
+//! | [`texel_file`] | texels to and from files |
 //! | [`expand`] | a scene as explicit triangles: glTF, OBJ and PLY files |
+//! | [`outline`] | the boxes of skins as lines |
 //! | [`geom`], [`skin`], [`texel`], [`tracer`] | the crates that do the work, re-exported |
 //!
 //! Nothing here prints, exits, or panics on input. Every error says which file, where in it, and why, in one line;
 //! [`Error::blame`] sorts them.
 #![warn(missing_docs)]
 
+pub mod bake;
 pub mod choices;
 pub mod compile;
 pub mod compose;
@@ -61,9 +65,11 @@ mod error;
 pub mod expand;
 pub mod import;
 mod names;
+pub mod outline;
 pub mod output;
 pub mod scene_file;
 pub mod staging;
+pub mod texel_file;
 
 pub use pelage_geom as geom;
 pub use pelage_skin as skin;

@@ -123,6 +123,10 @@ fn with_tops(base: &Mesh, top: &Mesh) -> (Mesh, Vec<Vec3>) {
             if place(*tops[b].get_or_insert(point)) != place(point) {
                 *vertex = *further.entry((b, place(point))).or_insert_with(|| {
                     mesh.positions.push(base.positions[b]);
+                    for attribute in &mut mesh.attributes {
+                        let value = attribute.values[b];
+                        attribute.values.push(value);
+                    }
                     tops.push(Some(point));
                     (tops.len() - 1) as u32
                 });

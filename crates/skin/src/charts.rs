@@ -6,6 +6,7 @@
 //! again, octave by octave): at that border strands are cut, but strands of three times the size would show more.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 
 use crate::polygon::{Polygon, Surface};
 
@@ -23,11 +24,11 @@ impl Charts {
     pub fn new(surface: &Surface) -> Self {
         let polygons = &surface.polygons;
         let mut parent: Vec<u32> = (0..polygons.len() as u32).collect();
-        let mut first_at = HashMap::new();
+        let mut first_at = AtVertex::new(surface.positions.len());
         for (i, polygon) in polygons.iter().enumerate() {
             for (corner, &vertex) in polygon.corners().iter().enumerate() {
                 let uv = polygon.uvs[corner].to_array().map(|x| (x + 0.0).to_bits());
-                let first = *first_at.entry((vertex, uv)).or_insert(i as u32);
+                let first = *first_at.entry(vertex, uv, i as u32);
                 let (a, b) = (root(&mut parent, first), root(&mut parent, i as u32));
                 // The smaller number is the root, so that charts are numbered by their first polygon.
                 parent[a.max(b) as usize] = a.min(b);
@@ -46,18 +47,18 @@ impl Charts {
         let density: Vec<f64> = areas.into_iter().map(|(uv, area)| ratio(uv, area)).collect();
 
         // The density around a vertex: single polygons scatter, and would border on each other in patches.
-        let mut around: HashMap<(u32, u32), (f64, f64)> = HashMap::new();
+        let mut around = AtVertex::new(surface.positions.len());
         for (polygon, &chart) in polygons.iter().zip(&of_polygon) {
             let here = (uv_area_of(polygon), polygon.area_vector(&surface.positions).length());
             for &vertex in polygon.corners() {
-                let (uv_area, area) = around.entry((vertex, chart)).or_default();
+                let (uv_area, area) = around.entry(vertex, chart, (0.0, 0.0));
                 *uv_area += here.0;
                 *area += here.1;
             }
         }
         let finer = (polygons.iter().zip(&of_polygon))
             .map(|(polygon, &chart)| {
-                let corners = polygon.corners().iter().filter_map(|&v| around.get(&(v, chart)));
+                let corners = polygon.corners().iter().filter_map(|&v| around.get(v, chart));
                 let (uv_area, area) = corners.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
                 let octaves = (density[chart as usize] / ratio(uv_area, area)).log2();
                 if octaves.is_finite() { octaves.trunc().clamp(-4.0, 4.0).exp2() } else { 1.0 }
@@ -74,6 +75,31 @@ impl Charts {
     /// By how much the copies on polygon `index` are finer than its chart's density asks for.
     pub fn finer(&self, index: usize) -> f64 {
         self.finer[index]
+    }
+}
+
+/// Values by vertex and a key of which most vertices have one, those at seams a few.
+struct AtVertex<K, V> {
+    first: Vec<Option<(K, V)>>,
+    further: HashMap<(u32, K), V>,
+}
+
+impl<K: Copy + Eq + Hash, V: Copy> AtVertex<K, V> {
+    fn new(vertices: usize) -> Self {
+        Self { first: (0..vertices).map(|_| None).collect(), further: HashMap::new() }
+    }
+
+    /// The value there, which is `default` where there was none.
+    fn entry(&mut self, vertex: u32, key: K, default: V) -> &mut V {
+        let first = self.first[vertex as usize].get_or_insert((key, default));
+        if first.0 == key { &mut first.1 } else { self.further.entry((vertex, key)).or_insert(default) }
+    }
+
+    fn get(&self, vertex: u32, key: K) -> Option<&V> {
+        match &self.first[vertex as usize] {
+            Some((k, value)) if *k == key => Some(value),
+            _ => self.further.get(&(vertex, key)),
+        }
     }
 }
 

@@ -94,6 +94,63 @@ pub enum SkinError {
         /// Which of its corners.
         corner: usize,
     },
+    /// A number of a surface, or of how it is to be tessellated, is out of its domain.
+    #[error("{surface}: {field} {expected}")]
+    Surface {
+        /// Its kind.
+        surface: &'static str,
+        /// Which field.
+        field: &'static str,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// A surface would need more patches than are allowed.
+    #[error("{surface}: at least {patches} patches would be needed, and at most {most} are allowed")]
+    TooFine {
+        /// Its kind.
+        surface: &'static str,
+        /// How many it has got to.
+        patches: usize,
+        /// How many it may have.
+        most: usize,
+    },
+    /// A step of a groom makes no sense.
+    #[error("groom[{step}]: {reason}")]
+    Groom {
+        /// Which step, counted from 0.
+        step: usize,
+        /// What is wrong with it.
+        reason: Box<SkinError>,
+    },
+    /// A number of an operation is out of its domain.
+    #[error("{field}: {reason}")]
+    Operation {
+        /// As in `tilt.angle`.
+        field: &'static str,
+        /// What it must be.
+        reason: &'static str,
+    },
+    /// A mask cannot be evaluated.
+    #[error("mask: {reason}")]
+    Mask {
+        /// Why.
+        reason: String,
+    },
+    /// A mask asks for a vertex attribute that the mesh has not.
+    #[error("mask: the mesh has no vertex attribute `{name}`")]
+    NoAttribute {
+        /// Its name.
+        name: String,
+    },
+    /// Boxes of a skin that was groomed or moved are folded, and [`Folds::Refuse`](crate::Folds::Refuse) was asked for
+    /// or they cannot be mended.
+    #[error("{count} boxes are folded; the first is {first}")]
+    StillFolded {
+        /// How many boxes are folded.
+        count: usize,
+        /// The first of them.
+        first: Fold,
+    },
     /// More vertices or patches than 32-bit indices can name.
     #[error("mesh `{mesh}`: the skin may need {count} {what}, more than 32-bit indices can name")]
     TooLarge {
@@ -107,7 +164,7 @@ pub enum SkinError {
     /// A list of the skin has another length than the one it goes with.
     #[error("skin: `{list}` has {length} entries where {expected} are needed")]
     Length {
-        /// `top` or `uvs`.
+        /// `top`, `uvs`, `attributes`, or what was given to [`Skin::update`](crate::Skin::update).
         list: &'static str,
         /// Its length.
         length: usize,

@@ -1,12 +1,12 @@
 //! From a mesh to its skin: along its normals, or as far as was given. [Neyret98 §3] [seed §4.1]
 
 use glam::Vec3;
-use pelage_geom::{Face, Mesh};
+use pelage_geom::{Attribute, Face, Mesh};
 
 use crate::dressing::{self, Plan};
 use crate::polygon::{self, Surface};
-use crate::validate::{Settled, settle};
-use crate::{Border, Folds, Layout, Outcome, Patch, Report, Skin, SkinError, SkinOptions};
+use crate::settle::{Wanted, settle};
+use crate::{Border, Folds, Layout, Patch, Report, Skin, SkinError, SkinOptions};
 use crate::{normals, refine};
 
 /// Covers the faces of `mesh` for which `selected` holds with a skin.
@@ -74,30 +74,18 @@ pub(crate) fn cover(
     report.cancelled_normals = among_used(&cancelled);
     report.turned_normals = among_used(&turned).len();
 
-    let Settled { top, kept, mut folds, mended_vertices, shortest } = settle(&base, &full, &patches, options);
-    if let (Folds::Refuse, Some(&first)) = (options.folds, folds.first()) {
-        return Err(SkinError::Folded { mesh: mesh.name.clone(), count: folds.len(), first });
+    let wanted = Wanted { base: &base, top: &full, upright: None };
+    let settled = settle(wanted, &patches, &options.mending());
+    if let (Folds::Refuse, Some(&first)) = (options.folds, settled.folds.first()) {
+        return Err(SkinError::Folded { mesh: mesh.name.clone(), count: settled.folds.len(), first });
     }
-    let renumbered: Vec<u32> = (kept.iter())
-        .scan(0, |next, &stays| {
-            let number = *next;
-            *next += u32::from(stays);
-            Some(number)
-        })
-        .collect();
-    for fold in &mut folds {
-        if let Outcome::Mended { patch } = &mut fold.outcome {
-            *patch = renumbered[*patch as usize];
-        }
-    }
-    let (patches, uvs): (Vec<_>, Vec<_>) =
-        patches.into_iter().zip(uvs).zip(&kept).filter(|&(_, &stays)| stays).map(|(pair, _)| pair).unzip();
-
-    report.prisms = patches.iter().filter(|p| p.is_prism()).count();
-    report.boxes = patches.len() - report.prisms;
-    report.copy_width = copy_width(&patches, &base);
-    (report.folds, report.mended_vertices, report.shortest) = (folds, mended_vertices, shortest);
-    Ok(Skin { base, top, patches, uvs: mesh.uvs.is_some().then_some(uvs), report })
+    let uvs = mesh.uvs.is_some().then_some(uvs);
+    let of_used = |a: &Attribute| Attribute { name: a.name.clone(), values: gather(&a.values, &used) };
+    let attributes = surface.attributes.iter().map(of_used).collect();
+    let mut skin = Skin { base, top: Vec::new(), patches, uvs, attributes, report };
+    settled.apply(&mut skin);
+    skin.report.copy_width = copy_width(&skin.patches, &skin.base);
+    Ok(skin)
 }
 
 /// Refuses a surface whose skin might have more vertices or patches than indices can name.
@@ -136,7 +124,7 @@ fn tilted(normal: Vec3, lean: Vec3) -> Vec3 {
     (normal + lean.reject_from_normalized(normal.normalize_or(Vec3::Y))).normalize_or(normal)
 }
 
-fn gather(values: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
+fn gather<T: Copy>(values: &[T], indices: &[u32]) -> Vec<T> {
     indices.iter().map(|&i| values[i as usize]).collect()
 }
 

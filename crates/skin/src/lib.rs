@@ -15,11 +15,14 @@
 //!
 //! | stage | room |
 //! |---|---|
+//! | if there is no mesh yet, a surface is made one | [`tessellate`] |
 //! | the selected faces, welded, without the degenerate ones | `polygon` |
 //! | without texture coordinates and with triangles: every n-gon becomes n quads | `refine` |
 //! | one vector a vertex, from the faces around it; or from a second mesh | `normals`, `cage` |
 //! | quads and triangles become patches; texel coordinates | `dressing` |
-//! | every box is certified; folded ones are mended, left out or refused | `validate` |
+//! | every box is certified; folded ones are mended, left out or refused | `validate`, `settle` |
+//! | the vectors are groomed, if they are to be | [`groom`] |
+//! | positions or vectors move, frame after frame | `update` |
 //!
 //! Neighbouring patches name the same vertices, so that the wall between their boxes has the same four corner
 //! points, to the last bit, seen from either side.
@@ -30,19 +33,26 @@ mod charts;
 mod dressing;
 mod error;
 mod extrude;
+pub mod groom;
 mod normals;
 mod options;
+mod outline;
 mod patch;
 mod polygon;
 mod quad;
 mod refine;
 mod report;
+mod settle;
 pub mod surface;
+pub mod tessellate;
+mod update;
 mod validate;
 
 pub use cage::{cage, mean_height};
 pub use error::SkinError;
 pub use extrude::extrude;
-pub use options::{Border, Folds, Layout, SkinOptions};
+pub use options::{Border, Folds, Layout, Mending, SkinOptions};
+pub use outline::Outline;
 pub use patch::{Lattice, Patch, Skin};
 pub use report::{Fold, Outcome, Report};
+pub use update::Motion;

@@ -23,13 +23,48 @@ pub enum Layout {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Folds {
-    /// Shorten the vectors of their vertices and check the neighbours again; leave out what cannot be mended.
+    /// Shorten the vectors of their vertices (of groomed ones, turn them back first) and check the neighbours
+    /// again; leave out what cannot be mended.
     #[default]
     Mend,
     /// Leave them out, at full height everywhere else.
     LeaveOut,
     /// Fail with [`SkinError::Folded`].
     Refuse,
+    /// Leave them as they are, named in the report: for a skin that is still to be groomed. One that holds a folded
+    /// box must not be rendered.
+    Keep,
+}
+
+/// How folded boxes are dealt with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mending {
+    /// What is done with them.
+    pub folds: Folds,
+    /// Vectors are not shortened below this fraction of the length they were given; in (0, 1].
+    pub shortest: f32,
+    /// How often an undecided box is halved before it counts as folded.
+    pub certificate_depth: u32,
+}
+
+impl Default for Mending {
+    /// Folds are mended, down to 1/16 of the length.
+    fn default() -> Self {
+        Self { folds: Folds::Mend, shortest: 1.0 / 16.0, certificate_depth: 6 }
+    }
+}
+
+impl Mending {
+    /// Checks that every number is in its domain.
+    ///
+    /// # Errors
+    /// [`SkinError::Option`].
+    pub fn validate(&self) -> Result<(), SkinError> {
+        match self.shortest {
+            x if x > 0.0 && x <= 1.0 => Ok(()),
+            value => Err(SkinError::Option { option: "shortest", value, expected: "it must be in (0, 1]" }),
+        }
+    }
 }
 
 /// Which faces a vertex on the border of the selection takes its vector from.
@@ -93,8 +128,8 @@ impl Default for SkinOptions {
             affine_tolerance: 1.0 / 512.0,
             border: Border::Selected,
             folds: Folds::Mend,
-            shortest: 1.0 / 16.0,
-            certificate_depth: 6,
+            shortest: Mending::default().shortest,
+            certificate_depth: Mending::default().certificate_depth,
         }
     }
 }
@@ -147,11 +182,16 @@ impl SkinOptions {
                 self.affine_tolerance >= 0.0,
                 "it must not be negative",
             ),
-            ("shortest", self.shortest, self.shortest > 0.0 && self.shortest <= 1.0, "it must be in (0, 1]"),
         ];
         match checks.into_iter().find(|&(_, _, ok, _)| !ok) {
             Some((option, value, _, expected)) => Err(SkinError::Option { option, value, expected }),
-            None => Ok(()),
+            None => self.mending().validate(),
         }
+    }
+
+    /// What of them is about folded boxes.
+    pub fn mending(&self) -> Mending {
+        let &Self { folds, shortest, certificate_depth, .. } = self;
+        Mending { folds, shortest, certificate_depth }
     }
 }

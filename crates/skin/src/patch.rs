@@ -1,7 +1,7 @@
 //! The skin itself: shared vertices, the patches between them, and the box over each patch.
 
 use glam::{Vec2, Vec3};
-use pelage_geom::{Face, Hexahedron, MaterialId, Trilinear};
+use pelage_geom::{Attribute, DTrilinear, Face, Hexahedron, MaterialId, Trilinear};
 
 use crate::Report;
 
@@ -80,6 +80,8 @@ pub struct Skin {
     /// The mesh's own texture coordinates by patch and corner, in box order, for colour textures. A prism's
     /// fourth completes the parallelogram.
     pub uvs: Option<Vec<[Vec2; 4]>>,
+    /// The mesh's vertex attributes, by vertex of the skin.
+    pub attributes: Vec<Attribute>,
     /// How it came about.
     pub report: Report,
 }
@@ -111,6 +113,19 @@ impl Skin {
     pub fn is_empty(&self) -> bool {
         self.patches.is_empty()
     }
+}
+
+/// The map of the box on `vertices` alone, without what rays ask of its walls; a prism's is completed as
+/// [`Hexahedron::prism`] does.
+#[inline]
+pub(crate) fn map(vertices: &[u32; 4], base: &[Vec3], top: &[Vec3]) -> DTrilinear {
+    let [a, b, c, d] = vertices.map(|i| i as usize);
+    let corners = |points: &[Vec3]| {
+        let [a, b, c] = [points[a], points[b], points[c]].map(Vec3::as_dvec3);
+        let d = if vertices[3] == Face::NONE { b + c - a } else { points[d].as_dvec3() };
+        [a, b, c, d]
+    };
+    DTrilinear::new(corners(base), corners(top))
 }
 
 /// The box on `vertices` (box order; the fourth [`Face::NONE`] for a prism).

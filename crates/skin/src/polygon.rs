@@ -1,7 +1,7 @@
 //! The selected faces made fit to stand on: welded, without degenerate or repeated ones, their edges counted.
 
 use glam::{DVec3, Vec2, Vec3};
-use pelage_geom::{Face, MaterialId, Mesh};
+use pelage_geom::{Attribute, Face, MaterialId, Mesh};
 use rayon::prelude::*;
 
 use crate::Report;
@@ -50,14 +50,16 @@ pub(crate) struct Surface {
     pub positions: Vec<Vec3>,
     /// Where the box over each position reaches, where that was given ([`crate::cage`]).
     pub tops: Option<Vec<Vec3>>,
+    /// The mesh's vertex attributes, by position.
+    pub attributes: Vec<Attribute>,
     pub polygons: Vec<Polygon>,
     /// Faces that get no box, but count for the vectors of the vertices they share ([`crate::Border::Mesh`]).
     pub bystanders: Vec<Polygon>,
 }
 
 impl Surface {
-    /// Adds the vertex in the middle of others, and its top where there are tops; the result is its index. Two
-    /// vertices give the same bits in either order.
+    /// Adds the vertex in the middle of others, with its top where there are tops and its attributes; the result is
+    /// its index. Two vertices give the same bits in either order.
     pub fn middle(&mut self, of: &[u32]) -> u32 {
         let mean = |points: &[Vec3]| {
             let sum: DVec3 = of.iter().map(|&i| points[i as usize].as_dvec3()).sum();
@@ -66,6 +68,10 @@ impl Surface {
         self.positions.push(mean(&self.positions));
         if let Some(tops) = &mut self.tops {
             tops.push(mean(tops));
+        }
+        for Attribute { values, .. } in &mut self.attributes {
+            let sum: f64 = of.iter().map(|&i| f64::from(values[i as usize])).sum();
+            values.push((sum / of.len() as f64) as f32);
         }
         (self.positions.len() - 1) as u32
     }
@@ -94,7 +100,8 @@ pub(crate) fn collect(
             distinct_corners(face, index as u32, uvs, &welded).filter(|p| has_area(p, &mesh.positions))
         })
         .collect();
-    let mut surface = Surface { positions: mesh.positions.clone(), tops, ..Surface::default() };
+    let (positions, attributes) = (mesh.positions.clone(), mesh.attributes.clone());
+    let mut surface = Surface { positions, tops, attributes, ..Surface::default() };
     for (index, (polygon, wanted)) in polygons.into_iter().zip(wanted).enumerate() {
         match polygon {
             Some(polygon) if wanted => surface.polygons.push(polygon),

@@ -88,8 +88,10 @@ pub struct Report {
     pub turned_normals: usize,
     /// Vertices of the skin whose vectors were shortened.
     pub mended_vertices: usize,
-    /// The shortest of them, as a fraction of the height; 1 where none was shortened.
+    /// The shortest of them, as a fraction of the length it had; 1 where none was shortened.
     pub shortest: f32,
+    /// Vertices of a groomed skin whose vectors were turned back towards what they were before grooming.
+    pub turned_back: usize,
     /// Every box that was folded at full height, and those spoilt by the mending of a neighbour.
     pub folds: Vec<Fold>,
     /// Copies of the texel per unit of texture coordinates (per patch side without them); where each chart has its
@@ -125,6 +127,7 @@ impl fmt::Display for Report {
         note(self.mended(), "folded boxes mended")?;
         note(self.left_out(), "folded boxes left out")?;
         note(self.mended_vertices, "vertex vectors shortened")?;
+        note(self.turned_back, "vertex vectors turned back")?;
         note(self.turned_normals, "vertex vectors turned to be seen by all their faces")?;
         note(self.cancelled_normals.len(), "vertices where the normals of the faces cancel")?;
         note(self.zero_area_faces.len(), "faces without area left out")?;

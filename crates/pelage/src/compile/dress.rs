@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use pelage_geom::{Face, Mesh};
-use pelage_skin::{Skin, SkinOptions, cage, extrude, mean_height};
+use pelage_skin::groom::{Effect, GroomOptions, groom};
+use pelage_skin::{Folds, Layout, Mending, Skin, SkinOptions, cage, extrude, mean_height};
 
 use super::Loaded;
 use crate::error::{Error, FieldError};
@@ -29,40 +30,54 @@ pub struct Dressed {
     pub mesh: usize,
     /// Its boxes, and the report of their making.
     pub skin: Skin,
+    /// What each step of its groom did.
+    pub effects: Vec<Effect>,
 }
 
 impl Loaded {
-    /// Raises the boxes of each skin on each mesh that wears it.
+    /// Raises the boxes of each skin on each mesh that wears it, and grooms them.
     ///
     /// # Errors
-    /// What [`extrude`] and [`cage`] refuse.
+    /// What [`extrude`], [`cage`] and [`groom`] refuse.
     pub fn extrude(&self) -> Result<Vec<Dressed>, Error> {
         let mut skins = Vec::new();
         for (entry, (skin, selections)) in self.file.skin.iter().zip(&self.dressed).enumerate() {
             let bounds = selections.iter().filter_map(|s| self.imported.meshes[s.mesh].bounds());
             let common_height = skin.height.unwrap_or_else(|| height_for(bounds));
+            let (steps, folds_in_the_end) = (&self.grooms[entry], skin.folds);
             let aspect = skin.aspect.unwrap_or(SkinEntry::ASPECT);
             for Selection { mesh, selected, top } in selections {
                 let on = &self.imported.meshes[*mesh];
                 let selected = |face: usize| selected[face];
                 let height = top.as_ref().map_or(common_height, |top| mean_height(on, top, &selected));
-                let without_uvs = || on.uvs.is_none().then(|| copies_per_side(on, aspect * height));
+                let per_patch = on.uvs.is_none() || skin.layout == Layout::PerPatch;
+                let by_faces = || per_patch.then(|| copies_per_side(on, aspect * height));
                 let options = SkinOptions {
-                    tiling: skin.tiling.or_else(without_uvs),
+                    tiling: skin.tiling.or_else(by_faces),
                     aspect,
+                    layout: skin.layout,
                     lean: skin.lean.into(),
-                    folds: skin.folds,
+                    // What is folded at first need not be in the end.
+                    folds: if steps.is_empty() { skin.folds } else { Folds::Keep },
                     ..SkinOptions::new(height)
                 };
                 let made = match top {
                     None => extrude(on, &selected, &options),
                     Some(top) => cage(on, top, &selected, &options),
                 };
-                let skin = made.map_err(|source| {
+                let fault = |source| {
                     let field = format!("{}: skin[{entry}]", self.file.path.display());
                     Error::Skin { field, source }
-                })?;
-                skins.push(Dressed { entry, mesh: *mesh, skin });
+                };
+                let mut skin = made.map_err(fault)?;
+                let mut effects = Vec::new();
+                if !steps.is_empty() {
+                    let mending = Mending { folds: folds_in_the_end, ..Mending::default() };
+                    let options = GroomOptions { mending, ..GroomOptions::default() };
+                    let groomed = groom(&skin, steps, &options).map_err(fault)?;
+                    (skin, effects) = (groomed.skin, groomed.effects);
+                }
+                skins.push(Dressed { entry, mesh: *mesh, skin, effects });
             }
         }
         Ok(skins)

@@ -3,25 +3,30 @@
 
 mod cage;
 mod dress;
+mod geometry;
+mod groom;
 mod prepared;
+mod texel;
 
 use std::sync::Arc;
 
-use glam::{EulerRot, Mat3, Mat4, Quat, Vec3};
-use pelage_texel::{BuildError, BuildOptions, Procedure, Texel, build};
+use glam::Vec3;
+use pelage_skin::groom::Step;
+use pelage_texel::Texel;
 use pelage_tracer::reference::ReferenceSettings;
 use pelage_tracer::{Camera, Coat, Description, Environment, Light, Rect, Scene, Settings};
 
 pub use dress::Dressed;
 use dress::Selection;
+use geometry::{read, resolve};
 pub use prepared::Prepared;
 
 use crate::choices::Method;
 use crate::error::{Error, FieldError};
-use crate::import::{Fault, Files, ImportOptions, Imported, Place, import};
+use crate::import::Imported;
 use crate::names;
 use crate::output::Display;
-use crate::scene_file::{CameraEntry, GeometryEntry, LightEntry, SceneFile, TexelEntry};
+use crate::scene_file::{CameraEntry, LightEntry, SceneFile};
 use crate::staging;
 
 /// A scene whose files have been read.
@@ -33,6 +38,10 @@ pub struct Loaded {
     pub imported: Imported,
     /// Which faces of which meshes each skin stands on.
     dressed: Vec<Vec<Selection>>,
+    /// What is done to the boxes of each skin.
+    grooms: Vec<Vec<Step>>,
+    /// The texel of each skin, where it is in a file.
+    texels: Vec<Option<Arc<Texel>>>,
     /// Which entry of the geometry each mesh comes from.
     origins: Vec<usize>,
 }
@@ -46,48 +55,25 @@ impl Loaded {
         file.validate()?;
         let mut imported = Imported::default();
         let mut origins = Vec::new();
-        for (i, entry) in file.geometry.iter().enumerate() {
-            let part = read(&file, &entry.file, entry, &format!("geometry[{i}].file"))?;
+        for i in 0..file.geometry.len() {
+            let part = geometry::load(&file, i)?;
             origins.extend(part.meshes.iter().map(|_| i));
             imported.append(part);
         }
-        let mut dressed = Vec::new();
+        let texels = texel::read_all(&file)?;
+        let (mut dressed, mut grooms) = (Vec::new(), Vec::new());
         for (i, skin) in file.skin.iter().enumerate() {
             let mut selections = dress::select(&file, i, skin, &imported)?;
             if let Some(entry) = &skin.cage {
                 cage::put_on(&mut selections, &file, i, entry, &mut imported, &origins)?;
             }
+            grooms.push(groom::steps(&file, i, &selections, &imported)?);
             dressed.push(selections);
         }
         if let Some(CameraEntry::Named(name)) = &file.camera {
             camera_named(&file, &imported.cameras, name)?;
         }
-        Ok(Self { file, imported, dressed, origins })
-    }
-
-    /// Builds the texel of each skin; equal ones are built once. `progress` is told the fraction done.
-    ///
-    /// # Errors
-    /// Numbers of a texel out of their domain.
-    pub fn bake(&self, progress: &(dyn Fn(f32) + Sync)) -> Result<Vec<Arc<Texel>>, Error> {
-        let mut texels: Vec<Arc<Texel>> = Vec::new();
-        let count = self.file.skin.len() as f32;
-        for (i, entry) in self.file.skin.iter().enumerate() {
-            let known = self.file.skin[..i].iter().position(|earlier| earlier.texel == entry.texel);
-            let texel = match known {
-                Some(same) => texels[same].clone(),
-                None => {
-                    let field = || format!("{}: skin[{i}].texel", self.file.path.display());
-                    let fraction = |f: f32| progress((i as f32 + f) / count);
-                    Arc::new(
-                        bake(&entry.texel, &fraction)
-                            .map_err(|source| Error::Texel { field: field(), source })?,
-                    )
-                }
-            };
-            texels.push(texel);
-        }
-        Ok(texels)
+        Ok(Self { file, imported, dressed, grooms, texels, origins })
     }
 
     /// Puts everything together. `texels` is what [`Loaded::bake`] returned, `skins` what [`Loaded::extrude`] did.
@@ -166,72 +152,6 @@ impl Loaded {
             background: render.background,
         })
     }
-}
-
-/// Reads the mesh file that `field` of a scene refers to, and puts it where `entry` says.
-fn read(file: &SceneFile, reference: &str, entry: &GeometryEntry, field: &str) -> Result<Imported, Error> {
-    let options = ImportOptions {
-        up: entry.up,
-        unit: entry.unit,
-        allow_dirs: file.allow_dirs.clone(),
-        ..ImportOptions::default()
-    };
-    let path = file.path.with_file_name(reference);
-    // A mesh file that is itself the scene was named by the user, wherever a link of that name leads.
-    if path != file.path {
-        let files = Files::around(&file.path, &file.allow_dirs, options.limits)?;
-        files.resolve(reference).map_err(|fault| {
-            let fault = match fault {
-                Fault::Io(source) => Fault::Reference { reference: reference.to_owned(), source },
-                other => other,
-            };
-            fault.at(&file.path, Place::Field(field.to_owned()))
-        })?;
-    }
-    let mut part = import(&path, &options)?;
-    place(&mut part, entry.scale, entry.rotate, entry.translate);
-    for mesh in &part.meshes {
-        mesh.validate().map_err(|e| Fault::Mesh(e).at(&path, Place::File))?;
-    }
-    Ok(part)
-}
-
-/// Scales, turns and moves all that a file holds.
-fn place(part: &mut Imported, scale: f32, rotate: [f32; 3], translate: [f32; 3]) {
-    let [x, y, z] = rotate.map(f32::to_radians);
-    // About x, then y, then z, all fixed axes.
-    let rotation = Quat::from_euler(EulerRot::ZYX, z, y, x);
-    let transform =
-        Mat4::from_scale_rotation_translation(Vec3::splat(scale), rotation, Vec3::from(translate));
-    if transform == Mat4::IDENTITY {
-        return;
-    }
-    for mesh in &mut part.meshes {
-        mesh.transform(transform);
-    }
-    for (_, camera) in &mut part.cameras {
-        camera.position = transform.transform_point3(camera.position);
-        camera.orientation = Mat3::from_quat(rotation) * camera.orientation;
-    }
-    for light in &mut part.lights {
-        match light {
-            Light::Directional { direction, .. } => *direction = rotation * *direction,
-            Light::Point { position, radius, .. } => {
-                *position = transform.transform_point3(*position);
-                *radius *= scale;
-            }
-            Light::Spot { position, direction, radius, .. } => {
-                *position = transform.transform_point3(*position);
-                *direction = rotation * *direction;
-                *radius *= scale;
-            }
-        }
-    }
-}
-
-fn bake(entry: &TexelEntry, progress: &(dyn Fn(f32) + Sync)) -> Result<Texel, BuildError> {
-    let options = BuildOptions { depth: entry.resolution.ilog2(), ..BuildOptions::standard() };
-    build(entry.kind.name(), entry.kind.clone(), &options, progress)
 }
 
 fn light_of(entry: &LightEntry) -> Light {

@@ -93,6 +93,16 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// The fault of a file that another refers to as `reference`.
+    pub(crate) fn of(self, reference: &str) -> Self {
+        let reference = reference.to_owned();
+        match self {
+            Self::Io(source) => Self::Reference { reference, source },
+            Self::Syntax(reason) => Self::Syntax(format!("`{reference}`: {reason}")),
+            other => other,
+        }
+    }
+
     /// The fault, at a place of a file.
     pub fn at(self, file: &Path, place: Place) -> ImportError {
         ImportError { file: file.to_owned(), place, fault: self }

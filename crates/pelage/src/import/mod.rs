@@ -8,6 +8,7 @@ mod files;
 mod gltf;
 mod image;
 mod obj;
+mod strand;
 mod weld;
 
 use std::path::{Path, PathBuf};
@@ -17,7 +18,9 @@ use pelage_tracer::{Camera, Light};
 
 pub use error::{Fault, ImportError, Place, Warning};
 pub(crate) use files::{Files, extension};
+pub(crate) use image::Textures;
 pub use image::srgb_to_linear;
+pub use strand::Strand;
 
 /// Which axis points upwards in a file that does not say (OBJ).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
@@ -73,13 +76,15 @@ pub struct ImportOptions {
     pub unit: f32,
     /// Folders, besides the file's own, that references may lead to.
     pub allow_dirs: Vec<PathBuf>,
+    /// Whether to read as well what only texels are made from: lines, vertex colours, and alpha textures.
+    pub content: bool,
     /// Caps on what a file may ask for.
     pub limits: Limits,
 }
 
 impl Default for ImportOptions {
     fn default() -> Self {
-        Self { up: Up::Y, unit: 1.0, allow_dirs: Vec::new(), limits: Limits::default() }
+        Self { up: Up::Y, unit: 1.0, allow_dirs: Vec::new(), content: false, limits: Limits::default() }
     }
 }
 
@@ -88,7 +93,9 @@ impl Default for ImportOptions {
 pub struct Imported {
     /// Validated meshes with at least one face; vertices at equal positions are one vertex.
     pub meshes: Vec<Mesh>,
-    /// What the faces' [`pelage_geom::MaterialId`]s index.
+    /// Curves with a thickness, where [`ImportOptions::content`] asks for them.
+    pub strands: Vec<Strand>,
+    /// What the faces' and the strands' [`pelage_geom::MaterialId`]s index.
     pub materials: Vec<Material>,
     /// What the materials' [`pelage_geom::TextureId`]s index.
     pub textures: Vec<Texture>,
@@ -101,7 +108,7 @@ pub struct Imported {
 }
 
 impl Imported {
-    /// The smallest and largest coordinates of all meshes, or `None` without any.
+    /// The smallest and largest coordinates of all meshes, or `None` without any; strands do not count.
     pub fn bounds(&self) -> Option<[glam::Vec3; 2]> {
         self.meshes
             .iter()
@@ -115,10 +122,17 @@ impl Imported {
         for face in other.meshes.iter_mut().flat_map(|m| &mut m.faces) {
             face.material.0 += materials;
         }
-        for texture in other.materials.iter_mut().filter_map(|m| m.base_color_texture.as_mut()) {
-            texture.0 += textures;
+        for strand in &mut other.strands {
+            strand.material.0 += materials;
+        }
+        for material in &mut other.materials {
+            let maps = [&mut material.base_color_texture, &mut material.alpha.texture];
+            for texture in maps.into_iter().flatten() {
+                texture.0 += textures;
+            }
         }
         self.meshes.append(&mut other.meshes);
+        self.strands.append(&mut other.strands);
         self.materials.append(&mut other.materials);
         self.textures.append(&mut other.textures);
         self.cameras.append(&mut other.cameras);
@@ -143,7 +157,7 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Imported, ImportEr
             return Err(Fault::Extension { expected: ".obj, .gltf or .glb" }.at(path, Place::File));
         }
     };
-    if imported.meshes.is_empty() {
+    if imported.meshes.is_empty() && imported.strands.is_empty() {
         return Err(Fault::NoFaces.at(path, Place::File));
     }
     for mesh in &imported.meshes {

@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3};
-use pelage_geom::{Face, MaterialId, Mesh};
+use glam::{Vec2, Vec3, Vec4};
+use pelage_geom::{Attribute, Face, MaterialId, Mesh};
 
 /// One corner of a polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub(crate) struct Corner {
     pub(crate) uv: Option<Vec2>,
     /// Any length.
     pub(crate) normal: Option<Vec3>,
+    /// Linear, with alpha.
+    pub(crate) color: Option<Vec4>,
 }
 
 /// A mesh in the making.
@@ -23,8 +25,12 @@ pub(crate) struct Welder {
     vertex_at: HashMap<[u32; 3], u32>,
     uvs: Vec<[Vec2; 4]>,
     normals: Vec<[Vec3; 4]>,
+    colors: Vec<[Vec4; 4]>,
     without_uvs: usize,
     without_normals: usize,
+    has_colors: bool,
+    /// Texture coordinates that only some faces have are kept: zero elsewhere.
+    patchy: bool,
 }
 
 /// What a finished mesh had to do without.
@@ -37,8 +43,9 @@ pub(crate) struct Lost {
 }
 
 impl Welder {
-    pub(crate) fn new(name: impl Into<String>) -> Self {
-        Self { mesh: Mesh { name: name.into(), ..Mesh::default() }, ..Self::default() }
+    /// With `patchy`, texture coordinates that only some faces have are kept, and zero elsewhere.
+    pub(crate) fn new(name: impl Into<String>, patchy: bool) -> Self {
+        Self { mesh: Mesh { name: name.into(), ..Mesh::default() }, patchy, ..Self::default() }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -67,36 +74,66 @@ impl Welder {
         let mut vertices = [Face::NONE; 4];
         let mut uvs = [Vec2::ZERO; 4];
         let mut normals = [Vec3::ZERO; 4];
+        let mut colors = [Vec4::ONE; 4];
         for (i, corner) in corners.iter().enumerate() {
             vertices[i] = self.vertex(corner.position);
             uvs[i] = corner.uv.unwrap_or_default();
             normals[i] = corner.normal.and_then(Vec3::try_normalize).unwrap_or_default();
+            colors[i] = corner.color.unwrap_or(Vec4::ONE);
+            self.has_colors |= corner.color.is_some();
         }
         self.without_uvs += usize::from(corners.iter().any(|c| c.uv.is_none()));
         self.without_normals += usize::from(normals[..corners.len()].contains(&Vec3::ZERO));
         self.mesh.faces.push(Face { vertices, material });
         self.uvs.push(uvs);
         self.normals.push(normals);
+        self.colors.push(colors);
     }
 
     fn vertex(&mut self, position: Vec3) -> u32 {
-        // Adding zero makes −0 and +0 the same.
-        let key = (position + Vec3::ZERO).to_array().map(f32::to_bits);
-        *self.vertex_at.entry(key).or_insert_with(|| {
+        *self.vertex_at.entry(key(position)).or_insert_with(|| {
             self.mesh.positions.push(position);
             self.mesh.positions.len() as u32 - 1
         })
     }
 
-    /// The mesh. Attributes are kept if every face has them.
+    /// Says something of the vertices at some positions; those that no face has are passed over, and numbers that are
+    /// not finite are 0.
+    pub(crate) fn attribute(&mut self, name: &str, positions: &[Vec3], numbers: &[f32]) {
+        let attributes = &mut self.mesh.attributes;
+        let index = attributes.iter().position(|a| a.name == name).unwrap_or_else(|| {
+            attributes.push(Attribute { name: name.to_owned(), values: Vec::new() });
+            attributes.len() - 1
+        });
+        let values = &mut attributes[index].values;
+        values.resize(self.mesh.positions.len(), 0.0);
+        for (position, &number) in positions.iter().zip(numbers) {
+            if let Some(&vertex) = self.vertex_at.get(&key(*position)) {
+                values[vertex as usize] = if number.is_finite() { number } else { 0.0 };
+            }
+        }
+    }
+
+    /// The mesh. Texture coordinates and normals are kept if every face has them, colours if one has.
     pub(crate) fn finish(self) -> (Mesh, Lost) {
-        let Self { mut mesh, uvs, normals, without_uvs, without_normals, .. } = self;
+        let Self { mut mesh, uvs, normals, colors, without_uvs, without_normals, has_colors, .. } = self;
         let count = mesh.faces.len();
+        let without_uvs = if self.patchy && without_uvs < count { 0 } else { without_uvs };
         mesh.uvs = (without_uvs == 0).then_some(uvs);
         mesh.normals = (without_normals == 0).then_some(normals);
+        mesh.colors = has_colors.then_some(colors);
+        for attribute in &mut mesh.attributes {
+            // Faces that came later may have brought vertices that do not have it.
+            attribute.values.resize(mesh.positions.len(), 0.0);
+        }
         let lost = |without| without > 0 && without < count;
         (mesh, Lost { uvs: lost(without_uvs), normals: lost(without_normals) })
     }
+}
+
+/// The same for equal positions. Adding zero makes −0 and +0 the same.
+fn key(position: Vec3) -> [u32; 3] {
+    (position + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
 #[cfg(test)]
@@ -104,12 +141,17 @@ mod tests {
     use super::*;
 
     fn corner(x: f32, y: f32) -> Corner {
-        Corner { position: Vec3::new(x, y, 0.0), uv: Some(Vec2::new(x, y)), normal: Some(Vec3::Z) }
+        Corner {
+            position: Vec3::new(x, y, 0.0),
+            uv: Some(Vec2::new(x, y)),
+            normal: Some(Vec3::Z),
+            color: None,
+        }
     }
 
     #[test]
     fn neighbours_share_vertices_and_quads_stay_quads() {
-        let mut welder = Welder::new("strip");
+        let mut welder = Welder::new("strip", false);
         welder.polygon(&[corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 1.)], MaterialId(0));
         welder.polygon(&[corner(1., -0.0), corner(2., 0.), corner(2., 1.), corner(1., 1.)], MaterialId(0));
         let (mesh, lost) = welder.finish();
@@ -122,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_pentagon_is_a_fan_of_three() {
-        let mut welder = Welder::new("");
+        let mut welder = Welder::new("", false);
         let corners = [corner(0., 0.), corner(2., 0.), corner(3., 1.), corner(1., 2.), corner(-1., 1.)];
         assert_eq!(welder.polygon(&corners, MaterialId(0)), 3);
         assert_eq!(welder.polygon(&corners[..2], MaterialId(0)), 0);
@@ -133,7 +175,7 @@ mod tests {
 
     #[test]
     fn attributes_are_all_or_nothing() {
-        let mut welder = Welder::new("");
+        let mut welder = Welder::new("", false);
         let bare = Corner { uv: None, normal: Some(Vec3::ZERO), ..corner(0., 0.) };
         welder.polygon(&[corner(0., 0.), corner(1., 0.), corner(1., 1.)], MaterialId(0));
         welder.polygon(&[bare, corner(1., 0.), corner(1., 1.)], MaterialId(0));

@@ -3,21 +3,25 @@
 //! Longer than most files here: it is the one list of all fields that a scene file may have.
 
 mod cage;
+mod geometry;
+mod groom;
 mod texel;
 mod validate;
 
 use std::path::{Path, PathBuf};
 
-use pelage_skin::Folds;
+use pelage_skin::{Folds, Layout};
 use pelage_tracer::{Lod, Opacity, Rays};
 use serde::{Deserialize, Deserializer, de};
 
 pub use cage::CageEntry;
+pub use geometry::{GeometryEntry, SurfaceEntry};
+pub use groom::{BoxEntry, GroomEntry, ImageEntry, MaskEntry, RegionEntry, SphereEntry};
 pub use texel::TexelEntry;
 
 use crate::choices::{self, Background, Method};
 use crate::error::Error;
-use crate::import::{Fault, Files, ImportOptions, Place, Up};
+use crate::import::{Fault, Files, ImportOptions, Place};
 use crate::output::Tone;
 use crate::staging::View;
 
@@ -28,7 +32,7 @@ pub struct SceneFile {
     /// The file itself, for messages; references are relative to its folder.
     #[serde(skip)]
     pub path: PathBuf,
-    /// Mesh files.
+    /// Mesh files and surfaces.
     pub geometry: Vec<GeometryEntry>,
     /// What grows on them.
     pub skin: Vec<SkinEntry>,
@@ -43,47 +47,6 @@ pub struct SceneFile {
     /// Folders, besides the scene's own, that references may lead to.
     #[serde(skip)]
     pub allow_dirs: Vec<PathBuf>,
-}
-
-/// A mesh file and where it stands: scaled, turned, then moved.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GeometryEntry {
-    /// A path relative to the scene file.
-    pub file: String,
-    /// The vertical axis of an OBJ file.
-    #[serde(default)]
-    pub up: Up,
-    /// Metres in one unit of the file.
-    #[serde(default = "one")]
-    pub unit: f32,
-    /// Factor of its size.
-    #[serde(default = "one")]
-    pub scale: f32,
-    /// Degrees about x, then y, then z.
-    #[serde(default)]
-    pub rotate: [f32; 3],
-    /// Metres.
-    #[serde(default)]
-    pub translate: [f32; 3],
-    /// Whether its own faces are seen, or only what grows on them.
-    #[serde(default = "yes")]
-    pub visible: bool,
-}
-
-impl GeometryEntry {
-    /// A file as it stands.
-    pub fn new(file: impl Into<String>) -> Self {
-        Self {
-            file: file.into(),
-            up: Up::Y,
-            unit: 1.0,
-            scale: 1.0,
-            rotate: [0.0; 3],
-            translate: [0.0; 3],
-            visible: true,
-        }
-    }
 }
 
 /// A skin on some of the meshes.
@@ -105,7 +68,10 @@ pub struct SkinEntry {
     /// A mesh of the same faces where the boxes end, instead of a height along the normals. A path, or a table.
     #[serde(default, deserialize_with = "cage::deserialize")]
     pub cage: Option<CageEntry>,
-    /// Copies of the texel per unit of texture coordinates (per face side where there are none).
+    /// Whether copies of the texel go by texture coordinates or by faces.
+    #[serde(default, deserialize_with = "choices::deserialize")]
+    pub layout: Layout,
+    /// Copies of the texel per unit of texture coordinates (per face side where copies go by faces).
     #[serde(default)]
     pub tiling: Option<f32>,
     /// Width of a copy over its height, where there is no `tiling`; by default [`SkinEntry::ASPECT`].
@@ -120,6 +86,9 @@ pub struct SkinEntry {
     /// What is done with boxes that fold over in tight creases.
     #[serde(default, deserialize_with = "choices::deserialize")]
     pub folds: Folds,
+    /// What is done to its boxes, in this order.
+    #[serde(default)]
+    pub groom: Vec<GroomEntry>,
 }
 
 impl SkinEntry {
@@ -136,11 +105,13 @@ impl Default for SkinEntry {
             height: None,
             lean: [0.0; 3],
             cage: None,
+            layout: Layout::Auto,
             tiling: None,
             aspect: None,
             tint: white(),
             wears_material: true,
             folds: Folds::default(),
+            groom: Vec::new(),
         }
     }
 }

@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use pelage_texel::Procedure;
 use pelage_tracer::MAX_PIXELS;
 
 use super::{CameraEntry, GeometryEntry, LightEntry, SceneFile, SkinEntry};
@@ -20,14 +19,19 @@ impl SceneFile {
     /// The first field that is not.
     pub fn validate(&self) -> Result<(), FieldError> {
         let table = |name: String| Table { file: &self.path, name };
-        table("geometry".into()).check("", !self.geometry.is_empty(), "at least one mesh file is needed")?;
+        table("geometry".into()).check("", !self.geometry.is_empty(), "at least one mesh file or surface is needed")?;
         for (i, entry) in self.geometry.iter().enumerate() {
             geometry(&table(format!("geometry[{i}]")), entry)?;
         }
         for (i, entry) in self.skin.iter().enumerate() {
             skin(&table(format!("skin[{i}]")), entry)?;
+            for (step, groom) in entry.groom.iter().enumerate() {
+                if let Err((field, reason)) = groom.validate() {
+                    table(format!("skin[{i}].groom[{step}]")).check(&field, false, &reason)?;
+                }
+            }
             if let Some((field, reason)) = entry.texel.fault() {
-                table(format!("skin[{i}].texel.{}", entry.texel.kind.name())).check(field, false, &reason)?;
+                table(format!("skin[{i}].texel")).check(&field, false, &reason)?;
             }
         }
         camera(&table("camera".into()), self.camera.as_ref())?;
@@ -59,6 +63,24 @@ impl SceneFile {
 }
 
 fn geometry(table: &Table, entry: &GeometryEntry) -> Result<(), FieldError> {
+    let from_surface = entry.surface.is_some();
+    table.check("", entry.file.is_some() != from_surface, "needs either a `file` or a `surface`")?;
+    const ONLY: &str = "is of surfaces only";
+    table.check("patches", entry.patches.is_none() || from_surface, ONLY)?;
+    table.check("errors", entry.errors.is_none() || from_surface, ONLY)?;
+    table.check("name", entry.name.is_none() || from_surface, ONLY)?;
+    table.check("color", entry.color.is_none() || from_surface, ONLY)?;
+    let one_rule = entry.patches.is_none() || entry.errors.is_none();
+    table.check("errors", one_rule, "must be left out beside `patches`")?;
+    let [nu, nv] = entry.patches.unwrap_or([1; 2]).map(u64::from);
+    let count = "must be at least 1 each, and 16 million together at most";
+    table.check("patches", nu > 0 && nv > 0 && nu * nv <= 16_000_000, count)?;
+    if let Some(Err((field, reason))) = entry.errors.map(|bounds| bounds.validate()) {
+        table.check(&format!("errors.{field}"), false, reason)?;
+    }
+    table.color("color", &entry.color.unwrap_or_default())?;
+    table.check("subdivide", entry.subdivide <= 10, "must be at most 10")?;
+    table.within("crease_angle", entry.crease_angle, 0.0..=180.0)?;
     table.positive("unit", entry.unit)?;
     table.positive("scale", entry.scale)?;
     table.finite("rotate", &entry.rotate)?;

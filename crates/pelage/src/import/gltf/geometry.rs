@@ -1,16 +1,18 @@
-//! glTF primitives to meshes: triangles of every kind, morphed and posed as the file stands.
+//! glTF primitives to meshes and strands: triangles and lines of every kind, morphed and posed as the file stands.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use gltf::json;
 use json::Index;
-use json::accessor::Accessor;
+use json::accessor::{Accessor, Type};
 use json::mesh::{Mode, Primitive, Semantic};
 use json::validation::Checked;
 use pelage_geom::{MaterialId, Mesh};
 
+use super::super::strand::{Strand, chains};
 use super::super::weld::{Corner, Welder};
 use super::super::{Fault, ImportError};
 use super::Importer;
+use super::material::UvMap;
 
 /// What bends a mesh away from its own coordinates.
 pub(super) struct Pose<'a> {
@@ -20,16 +22,50 @@ pub(super) struct Pose<'a> {
     pub(super) joints: Option<Vec<Mat4>>,
 }
 
+/// The vertices of a primitive; its lists are as long as its positions.
+struct Vertices {
+    positions: Vec<[f32; 3]>,
+    /// v upwards; `None` for those that are not finite.
+    uvs: Option<Vec<Option<Vec2>>>,
+    normals: Option<Vec<[f32; 3]>>,
+    colors: Option<Vec<Vec4>>,
+    radii: Option<Vec<f32>>,
+    /// Whether the pose turned it inside out.
+    mirrored: bool,
+}
+
+impl Vertices {
+    fn corner(&self, i: usize) -> Corner {
+        Corner {
+            position: Vec3::from(self.positions[i]),
+            uv: self.uvs.as_ref().and_then(|uvs| uvs[i]),
+            normal: self.normals.as_ref().map(|normals| Vec3::from(normals[i])),
+            color: self.colors.as_ref().map(|colors| colors[i]),
+        }
+    }
+
+    fn strand(&self, chain: &[u32], material: MaterialId) -> Strand {
+        let at = || chain.iter().map(|&i| i as usize);
+        Strand {
+            points: at().map(|i| Vec3::from(self.positions[i])).collect(),
+            radii: self.radii.as_ref().map(|radii| at().map(|i| radii[i]).collect()),
+            uvs: self.uvs.as_ref().map(|uvs| at().map(|i| uvs[i].unwrap_or_default()).collect()),
+            colors: self.colors.as_ref().map(|colors| at().map(|i| colors[i]).collect()),
+            material,
+        }
+    }
+}
+
 impl Importer<'_> {
-    /// All primitives of a mesh in one, in the mesh's own coordinates (in scene space if it is skinned), or `None`
-    /// if there is no face in it.
+    /// All triangles of a mesh in one, in the mesh's own coordinates (in scene space if it is skinned), or `None` if
+    /// there is no face in it. Its strands go to what is imported, in the same coordinates.
     pub(super) fn mesh(
         &mut self,
         index: usize,
         name: &str,
         pose: &Pose,
     ) -> Result<Option<Mesh>, ImportError> {
-        let mut welder = Welder::new(name);
+        let mut welder = Welder::new(name, self.content);
         for p in 0..self.document.root.meshes[index].primitives.len() {
             self.primitive(index, p, pose, &mut welder)?;
         }
@@ -37,7 +73,7 @@ impl Importer<'_> {
             return Ok(None);
         }
         let (mesh, lost) = welder.finish();
-        if lost.uvs || lost.normals {
+        if lost.uvs || lost.normals && !self.content {
             self.warn(
                 format!("meshes[{index}]"),
                 "texture coordinates or normals that only some primitives have are left out".into(),
@@ -60,23 +96,19 @@ impl Importer<'_> {
         let Checked::Valid(mode) = primitive.mode else {
             return Err(fault(Fault::Syntax("has an unknown mode".into())));
         };
-        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            self.warn(field, "points and lines are left out".into());
-            return Ok(());
-        }
-        let Some(positions) = attribute(primitive, Semantic::Positions) else {
-            self.warn(field, "a primitive without positions is left out".into());
-            return Ok(());
-        };
-        let count_of = |i: usize, list: usize| {
-            if i == list {
-                Ok(())
-            } else {
-                Err(fault(Fault::Syntax(format!("has {list} positions, but {i} of another attribute"))))
+        let is_strands = match mode {
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => false,
+            Mode::Lines | Mode::LineLoop | Mode::LineStrip if self.content => true,
+            _ => {
+                let left_out = if self.content { "points are" } else { "points and lines are" };
+                self.warn(field, format!("{left_out} left out"));
+                return Ok(());
             }
         };
-        let mut positions = document.floats::<3>(positions)?;
-        let count = positions.len();
+        if attribute(primitive, Semantic::Positions).is_none() {
+            self.warn(field, "a primitive without positions is left out".into());
+            return Ok(());
+        }
         let material = match primitive.material {
             Some(index) => {
                 document.get(&document.root.materials, index, "material", &field)?;
@@ -84,13 +116,71 @@ impl Importer<'_> {
             }
             None => self.materials.list.len() - 1,
         };
-        let uv_map = self.materials.uv_maps[material];
+        let vertices = self.vertices(primitive, self.materials.uv_maps[material], pose, &field)?;
+        let count = vertices.positions.len();
+        let indices = match primitive.indices {
+            Some(index) => document.unsigned::<1>(index)?.into_iter().map(|[i]| i).collect(),
+            None => (0..count as u32).collect::<Vec<_>>(),
+        };
+        if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
+            return Err(fault(Fault::Index { what: "vertex", index: i64::from(index), count }));
+        }
+        let material = MaterialId(material as u32);
+        if is_strands {
+            let chains = chains(&segments(mode, &indices));
+            let strands: Vec<Strand> = chains.iter().map(|chain| vertices.strand(chain, material)).collect();
+            let segments = strands.iter().map(|strand| strand.points.len() - 1).sum();
+            self.imported.strands.extend(strands);
+            return self.count_faces(segments, &field);
+        }
+        let mut faces = 0;
+        for mut triangle in triangles(mode, &indices) {
+            if vertices.mirrored {
+                triangle.swap(1, 2);
+            }
+            faces += welder.polygon(&triangle.map(|i| vertices.corner(i as usize)), material);
+        }
+        if !self.content {
+            let positions: Vec<Vec3> = vertices.positions.iter().map(|&p| Vec3::from(p)).collect();
+            for name in self.attributes(primitive, &positions, welder) {
+                self.warn(field.clone(), format!("attribute `{name}` cannot be used and is left out"));
+            }
+        }
+        self.count_faces(faces, &field)
+    }
+
+    /// The vertices of a primitive that has positions, morphed and posed.
+    fn vertices(
+        &self,
+        primitive: &Primitive,
+        uv_map: UvMap,
+        pose: &Pose,
+        field: &str,
+    ) -> Result<Vertices, ImportError> {
+        let document = &self.document;
+        let fault = |fault: Fault| document.fault(field, fault);
+        let positions = attribute(primitive, Semantic::Positions).map(|a| document.floats::<3>(a));
+        let mut positions = positions.transpose()?.unwrap_or_default();
+        let count = positions.len();
         let uvs = attribute(primitive, Semantic::TexCoords(uv_map.set)).map(|a| document.floats::<2>(a));
         let uvs = uvs.transpose()?;
         let mut normals =
             attribute(primitive, Semantic::Normals).map(|a| document.floats::<3>(a)).transpose()?;
-        count_of(uvs.as_ref().map_or(count, Vec::len), count)?;
-        count_of(normals.as_ref().map_or(count, Vec::len), count)?;
+        let wanted = |semantic| attribute(primitive, semantic).filter(|_| self.content);
+        let colors = wanted(Semantic::Colors(0)).map(|a| self.colors(a)).transpose()?;
+        let radii = wanted(Semantic::Extras("RADIUS".into())).map(|a| document.floats::<1>(a)).transpose()?;
+        let radii: Option<Vec<f32>> = radii.map(|radii| radii.into_iter().map(|[r]| r).collect());
+        let lengths = [
+            uvs.as_ref().map(Vec::len),
+            normals.as_ref().map(Vec::len),
+            colors.as_ref().map(Vec::len),
+            radii.as_ref().map(Vec::len),
+        ];
+        if let Some(other) = lengths.into_iter().flatten().find(|&length| length != count) {
+            return Err(fault(Fault::Syntax(format!(
+                "has {count} positions, but {other} of another attribute"
+            ))));
+        }
         for (target, &weight) in primitive.targets.iter().flatten().zip(pose.weights) {
             add_morph(&mut positions, target.positions.map(|a| document.floats(a)).transpose()?, weight);
             if let Some(normals) = &mut normals {
@@ -99,7 +189,7 @@ impl Importer<'_> {
         }
         let mut mirrored = false;
         if let Some(joints) = &pose.joints {
-            let blend = self.blend(primitive, joints, count, &field)?;
+            let blend = self.blend(primitive, joints, count, field)?;
             mirrored = blend.first().is_some_and(|m| m.determinant() < 0.0);
             for (p, m) in positions.iter_mut().zip(&blend) {
                 *p = m.transform_point3(Vec3::from(*p)).to_array();
@@ -111,29 +201,27 @@ impl Importer<'_> {
         if let Some(bad) = positions.iter().find(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(fault(Fault::NotANumber(format!("{bad:?}"))));
         }
-        let indices = match primitive.indices {
-            Some(index) => document.unsigned::<1>(index)?.into_iter().map(|[i]| i).collect(),
-            None => (0..count as u32).collect::<Vec<_>>(),
-        };
-        if let Some(&index) = indices.iter().find(|&&i| i as usize >= count) {
-            return Err(fault(Fault::Index { what: "vertex", index: i64::from(index), count }));
+        if let Some(bad) = radii.iter().flatten().find(|r| !(**r >= 0.0 && r.is_finite())) {
+            return Err(fault(Fault::NotANumber(format!("the _RADIUS {bad}"))));
         }
-        let corner = |i: u32| {
-            let i = i as usize;
-            Corner {
-                position: Vec3::from(positions[i]),
-                uv: uvs.as_ref().and_then(|uvs| uv_map.apply(Vec2::from(uvs[i]))),
-                normal: normals.as_ref().map(|normals| Vec3::from(normals[i])),
-            }
+        let uvs = uvs.map(|uvs| uvs.into_iter().map(|uv| uv_map.apply(Vec2::from(uv))).collect());
+        Ok(Vertices { positions, uvs, normals, colors, radii, mirrored })
+    }
+
+    /// Vertex colours: linear, with alpha 1 where there are three channels. [glTF §3.7.2.1]
+    fn colors(&self, accessor: Index<Accessor>) -> Result<Vec<Vec4>, ImportError> {
+        let document = &self.document;
+        let listed = document.get(&document.root.accessors, accessor, "accessor", "accessor")?;
+        let colors: Vec<Vec4> = if listed.type_ == Checked::Valid(Type::Vec3) {
+            document.floats::<3>(accessor)?.into_iter().map(|rgb| Vec3::from(rgb).extend(1.0)).collect()
+        } else {
+            document.floats::<4>(accessor)?.into_iter().map(Vec4::from).collect()
         };
-        let mut faces = 0;
-        for mut triangle in triangles(mode, &indices) {
-            if mirrored {
-                triangle.swap(1, 2);
-            }
-            faces += welder.polygon(&triangle.map(corner), MaterialId(material as u32));
+        if let Some(bad) = colors.iter().find(|color| !color.is_finite()) {
+            let field = format!("accessors[{}]", accessor.value());
+            return Err(document.fault(field, Fault::NotANumber(format!("the colour {bad}"))));
         }
-        self.count_faces(faces, &field)
+        Ok(colors.into_iter().map(|color| color.clamp(Vec4::ZERO, Vec4::ONE)).collect())
     }
 
     /// The matrix of each vertex of a skinned primitive: Σ weight · joint. [glTF §3.7.3]
@@ -198,6 +286,17 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
+/// The segments of an index list; those between a vertex and itself are none. [glTF §3.7.2.1]
+fn segments(mode: Mode, indices: &[u32]) -> Vec<[u32; 2]> {
+    let closing = match (mode, indices) {
+        (Mode::LineLoop, [first, .., last]) => Some([*last, *first]),
+        _ => None,
+    };
+    let step = if mode == Mode::Lines { 2 } else { 1 };
+    let pairs = indices.windows(2).step_by(step).map(|pair| [pair[0], pair[1]]);
+    pairs.chain(closing).filter(|[a, b]| a != b).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,5 +308,14 @@ mod tests {
         assert_eq!(triangles(Mode::TriangleFan, &list), [[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
         assert_eq!(triangles(Mode::Triangles, &list), [[0, 1, 2]]);
         assert!(triangles(Mode::TriangleFan, &[]).is_empty());
+    }
+
+    #[test]
+    fn lines_strips_and_loops() {
+        let list = [0, 1, 2, 2, 3];
+        assert_eq!(segments(Mode::Lines, &list), [[0, 1]]);
+        assert_eq!(segments(Mode::LineStrip, &list), [[0, 1], [1, 2], [2, 3]]);
+        assert_eq!(segments(Mode::LineLoop, &list), [[0, 1], [1, 2], [2, 3], [3, 0]]);
+        assert!(segments(Mode::LineLoop, &[7]).is_empty());
     }
 }

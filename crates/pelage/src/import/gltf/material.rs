@@ -6,6 +6,7 @@
 //! | metalness, roughness | a metal loses its diffuse light as far as it is smooth: × 1 − metalness·(1 − roughness); a rough one looks diffuse in its own colour, and reflections of surroundings are not traced |
 //! | dielectric | specular albedo 0.04, times KHR_materials_specular's factor; 0 where KHR_materials_unlit |
 //! | emissive factor and strength | emission |
+//! | alpha mode, cutoff, factor, and the alpha of the base colour's texture | alpha; the texture only for content |
 //!
 //! Without a texture that can be decoded, the factors alone. Metalness is taken as 0 where a texture gives it.
 
@@ -13,8 +14,10 @@ use std::collections::HashMap;
 
 use glam::{Mat2, Vec2, Vec3};
 use gltf::json;
+use json::material::AlphaMode as FileAlphaMode;
 use json::texture::Info;
-use pelage_geom::{Material, TextureId};
+use json::validation::Checked;
+use pelage_geom::{Alpha, AlphaMode, Material, TextureId};
 
 use super::super::image::Textures;
 use super::super::{Fault, ImportError, Place, Warning};
@@ -50,12 +53,26 @@ pub(super) struct Materials {
     pub(super) uv_maps: Vec<UvMap>,
     pub(super) textures: Textures,
     /// By image index: each is decoded once, and so is each fault found.
-    by_image: HashMap<usize, Option<TextureId>>,
+    by_image: HashMap<(usize, Channels), Option<TextureId>>,
+    /// Whether alpha textures are wanted.
+    content: bool,
+}
+
+/// Which channels of an image are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Channels {
+    Color,
+    Alpha,
 }
 
 impl Materials {
-    pub(super) fn read(document: &Document, warnings: &mut Vec<Warning>) -> Result<Self, ImportError> {
-        let mut materials = Self::default();
+    /// With `content`, alpha textures too.
+    pub(super) fn read(
+        document: &Document,
+        content: bool,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Self, ImportError> {
+        let mut materials = Self { content, ..Self::default() };
         for (i, material) in document.root.materials.iter().enumerate() {
             materials.add(document, i, material, warnings)?;
         }
@@ -76,13 +93,18 @@ impl Materials {
         let extensions = material.extensions.as_ref();
         let roughness = pbr.roughness_factor.0;
         let metalness = if pbr.metallic_roughness_texture.is_some() { 0.0 } else { pbr.metallic_factor.0 };
-        let [r, g, b, _] = pbr.base_color_factor.0;
+        let [r, g, b, a] = pbr.base_color_factor.0;
         let factor = Vec3::new(r, g, b);
         let emissive = Vec3::from(material.emissive_factor.0)
             * extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |e| e.emissive_strength.0);
         let specular =
             0.04 * extensions.and_then(|e| e.specular.as_ref()).map_or(1.0, |s| s.specular_factor.0);
-        let numbers = [roughness, metalness, specular];
+        let Checked::Valid(mode) = material.alpha_mode else {
+            let fault = Fault::Syntax("has an unknown alphaMode".into());
+            return Err(document.fault(format!("materials[{i}]"), fault));
+        };
+        let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+        let numbers = [roughness, metalness, specular, a, cutoff];
         if !(factor.is_finite() && emissive.is_finite() && numbers.iter().all(|x| x.is_finite())) {
             let fault = Fault::NotANumber("a factor of the material".into());
             return Err(document.fault(format!("materials[{i}]"), fault));
@@ -90,9 +112,21 @@ impl Materials {
         let (metalness, roughness) = (metalness.clamp(0.0, 1.0), roughness.clamp(0.01, 1.0));
         let mut uv_map = UvMap::default();
         let mut texture = None;
+        let mut alpha = Alpha {
+            mode: match mode {
+                FileAlphaMode::Opaque => AlphaMode::Opaque,
+                FileAlphaMode::Mask => AlphaMode::Mask(cutoff),
+                FileAlphaMode::Blend => AlphaMode::Blend,
+            },
+            factor: a.clamp(0.0, 1.0),
+            texture: None,
+        };
         if let Some(info) = &pbr.base_color_texture {
             uv_map = uv_map_of(info);
-            texture = self.texture(document, info, i, warnings)?;
+            texture = self.texture(document, info, i, Channels::Color, warnings)?;
+            if self.content && alpha.mode != AlphaMode::Opaque {
+                alpha.texture = self.texture(document, info, i, Channels::Alpha, warnings)?;
+            }
         }
         let unlit = extensions.is_some_and(|e| e.unlit.is_some());
         let base_color = factor.clamp(Vec3::ZERO, Vec3::ONE);
@@ -106,6 +140,7 @@ impl Materials {
             specular: if unlit { 0.0 } else { specular },
             roughness,
             emissive: emissive.max(Vec3::ZERO),
+            alpha,
         });
         self.uv_maps.push(uv_map);
         Ok(())
@@ -116,27 +151,32 @@ impl Materials {
         document: &Document,
         info: &Info,
         material: usize,
+        channels: Channels,
         warnings: &mut Vec<Warning>,
     ) -> Result<Option<TextureId>, ImportError> {
         let field = format!("materials[{material}].pbrMetallicRoughness.baseColorTexture");
         let texture = document.get(&document.root.textures, info.index, "texture", &field)?;
         let image_index = texture.source.value();
-        if let Some(&known) = self.by_image.get(&image_index) {
+        if let Some(&known) = self.by_image.get(&(image_index, channels)) {
             return Ok(known);
         }
         let image = document.get(&document.root.images, texture.source, "image", &field)?;
         let image_field = format!("images[{image_index}]");
+        let mut decode = |bytes: &[u8]| match channels {
+            Channels::Color => self.textures.decode(bytes, document.files).map(Some),
+            Channels::Alpha => self.textures.decode_alpha(bytes, document.files, false),
+        };
         let decoded = match (image.buffer_view, &image.uri) {
-            (Some(view), _) => self.textures.decode(document.view(view)?.0, document.files),
-            (None, Some(uri)) => {
-                fetch(uri, document.files).and_then(|b| self.textures.decode(&b, document.files))
-            }
+            (Some(view), _) => decode(document.view(view)?.0),
+            (None, Some(uri)) => fetch(uri, document.files).and_then(|bytes| decode(&bytes)),
             (None, None) => Err(Fault::Syntax("has neither `uri` nor `bufferView`".into())),
         };
         let known = match decoded {
-            Ok(id) => Some(id),
+            Ok(id) => id,
             // A bomb is refused; anything else costs colours and no geometry.
             Err(fault @ Fault::Limit { .. }) => return Err(document.fault(image_field, fault)),
+            // Said of the colours already.
+            Err(_) if channels == Channels::Alpha => None,
             Err(fault) => {
                 warnings.push(Warning {
                     file: document.path.to_owned(),
@@ -146,7 +186,7 @@ impl Materials {
                 None
             }
         };
-        self.by_image.insert(image_index, known);
+        self.by_image.insert((image_index, channels), known);
         Ok(known)
     }
 }

@@ -3,6 +3,7 @@
 //! The JSON comes through the `gltf` crate's own structures; indices, offsets and numbers are checked here, where
 //! the crate's accessors would panic on bad ones or leave geometry out.
 
+mod attributes;
 mod buffers;
 mod geometry;
 mod material;
@@ -49,9 +50,10 @@ pub(super) fn read(path: &Path, files: &Files, options: &ImportOptions) -> Resul
             message: format!("`{name}` is not supported: what it adds is left out"),
         });
     }
-    let materials = Materials::read(&document, &mut warnings)?;
+    let materials = Materials::read(&document, options.content, &mut warnings)?;
     let imported = Imported { warnings, ..Imported::default() };
-    let mut importer = Importer { document, materials, unit: options.unit, faces: 0, imported };
+    let mut importer =
+        Importer { document, materials, unit: options.unit, content: options.content, faces: 0, imported };
     let globals = importer.walk()?;
     for (node, &global) in globals.iter().enumerate() {
         if let Some(global) = global {
@@ -68,6 +70,8 @@ struct Importer<'a> {
     document: Document<'a>,
     materials: Materials,
     unit: f32,
+    /// Whether lines and colours of vertices are wanted.
+    content: bool,
     faces: u64,
     imported: Imported,
 }
@@ -155,12 +159,16 @@ impl Importer<'_> {
             let joints = node.skin.map(|skin| self.joints(skin, globals, &field)).transpose()?;
             let skinned = joints.is_some();
             let pose = Pose { weights: &weights, joints };
+            let strands = self.imported.strands.len();
             if let Some(mut mesh) = self.mesh(mesh_index.value(), &name, &pose)? {
                 // A skinned mesh hangs on its joints; its node's own transform does not count.
                 if !skinned {
                     mesh.transform(global);
                 }
                 self.imported.meshes.push(mesh);
+            }
+            if !skinned {
+                self.imported.strands[strands..].iter_mut().for_each(|strand| strand.transform(global));
             }
         }
         if let Some(camera) = node.camera {

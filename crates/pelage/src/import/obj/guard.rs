@@ -8,10 +8,12 @@ use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
 use pelage_geom::Mesh;
 
+use super::lines::Lines;
 use super::mtl::{self, Library};
-use crate::import::image::Textures;
+use crate::import::image::{Textures, srgb_to_linear};
 use crate::import::{Fault, Files, ImportError, ImportOptions, Place, Warning};
 
 /// An OBJ file of which every line has been checked.
@@ -20,6 +22,8 @@ pub(super) struct Guard<'a> {
     files: &'a Files,
     options: &'a ImportOptions,
     has_objects: bool,
+    /// Whether vertices have colours behind their positions, and these are wanted.
+    has_colors: bool,
     /// The statements for tobj. Its first texture coordinate is NaN and its first normal zero: they stand for
     /// none. An object's name is the number of its line, a space, and its name; `mtllib` names an index of
     /// `libraries`.
@@ -27,6 +31,8 @@ pub(super) struct Guard<'a> {
     pub(super) libraries: Vec<Library>,
     pub(super) textures: Textures,
     pub(super) warnings: Vec<Warning>,
+    /// What `l` elements say, where that is wanted.
+    pub(super) lines: Lines,
     positions: usize,
     uvs: usize,
     normals: usize,
@@ -67,10 +73,12 @@ impl<'a> Guard<'a> {
             files,
             options,
             has_objects: source.lines().any(|l| l.trim_start().starts_with("o ")),
+            has_colors: options.content && source.lines().any(|l| color_of(l).is_some()),
             text: "vt nan nan\nvn 0 0 0\n".to_owned(),
             libraries: Vec::new(),
             textures: Textures::default(),
             warnings: Vec::new(),
+            lines: Lines::default(),
             positions: 0,
             uvs: 0,
             normals: 0,
@@ -106,12 +114,7 @@ impl<'a> Guard<'a> {
         match keyword {
             "" | "s" => {}
             comment if comment.starts_with('#') => {}
-            "v" => {
-                // In the file's unit and in metres.
-                let limit = Mesh::POSITION_LIMIT / self.options.unit.max(1.0);
-                self.numbers::<3>(keyword, rest, 3, limit)?;
-                self.positions += 1;
-            }
+            "v" => self.vertex(rest)?,
             "vt" => {
                 self.numbers::<2>(keyword, rest, 1, Mesh::POSITION_LIMIT)?;
                 self.uvs += 1;
@@ -121,6 +124,7 @@ impl<'a> Guard<'a> {
                 self.normals += 1;
             }
             "f" => self.face(rest, line)?,
+            "l" if self.options.content => self.line(rest)?,
             "g" if self.has_objects => {}
             // Its line tells an object from another one of the same name.
             "o" | "g" => self.pass("o", format_args!("{line} {name}")),
@@ -136,17 +140,18 @@ impl<'a> Guard<'a> {
         let _ = writeln!(self.text, "{keyword} {rest}");
     }
 
-    /// Passes on the first `N` numbers, of which `needed` must be there; the others are zero.
+    /// Passes on the first `N` numbers, of which `needed` must be there; the others are zero. Returns them.
     fn numbers<const N: usize>(
         &mut self,
         keyword: &str,
         text: &str,
         needed: usize,
         limit: f32,
-    ) -> Result<(), Fault> {
+    ) -> Result<[f32; N], Fault> {
         self.text.push_str(keyword);
         let mut words = text.split_whitespace();
-        for i in 0..N {
+        let mut numbers = [0.0; N];
+        for (i, value) in numbers.iter_mut().enumerate() {
             let word = match words.next() {
                 Some(word) => word,
                 None if i < needed => {
@@ -154,12 +159,48 @@ impl<'a> Guard<'a> {
                 }
                 None => "0",
             };
-            number(word, limit)?;
+            *value = number(word, limit)?;
             self.text.push(' ');
             self.text.push_str(word);
         }
         self.text.push('\n');
+        Ok(numbers)
+    }
+
+    fn vertex(&mut self, text: &str) -> Result<(), Fault> {
+        // In the file's unit and in metres.
+        let limit = Mesh::POSITION_LIMIT / self.options.unit.max(1.0);
+        let position = self.numbers::<3>("v", text, 3, limit)?;
+        self.positions += 1;
+        if self.has_colors {
+            let mut color = [1.0; 3];
+            for (value, word) in color.iter_mut().zip(color_of(text).into_iter().flatten()) {
+                *value = number(word, 1e6)?.clamp(0.0, 1.0);
+            }
+            let color = color.map(srgb_to_linear);
+            self.text.pop();
+            let _ = writeln!(self.text, " {} {} {}", color[0], color[1], color[2]);
+            self.lines.colors.push(color.into());
+        }
+        if self.options.content {
+            self.lines.positions.push(Vec3::from(position));
+        }
         Ok(())
+    }
+
+    fn line(&mut self, text: &str) -> Result<(), Fault> {
+        let mut vertices = Vec::new();
+        for word in text.split_whitespace() {
+            let position = index(word.split('/').next(), "vertex", self.positions)?;
+            let named =
+                position.checked_sub(1).ok_or_else(|| Fault::Syntax(format!("`{word}` names no vertex")))?;
+            vertices.push(named as u32);
+        }
+        if vertices.len() < 2 {
+            return Err(Fault::Syntax(format!("a line needs two vertices, this has {}", vertices.len())));
+        }
+        let segments = self.lines.add(&vertices);
+        self.count_faces(segments)
     }
 
     fn face(&mut self, text: &str, line: usize) -> Result<(), Fault> {
@@ -184,7 +225,11 @@ impl<'a> Guard<'a> {
         if corners > 4 {
             self.fans.note(line);
         }
-        self.faces += if corners == 4 { 1 } else { corners - 2 };
+        self.count_faces(if corners == 4 { 1 } else { corners - 2 })
+    }
+
+    fn count_faces(&mut self, more: usize) -> Result<(), Fault> {
+        self.faces += more as u64;
         let limit = self.options.limits.faces;
         if self.faces > limit {
             return Err(Fault::Limit { what: "faces", found: self.faces, limit });
@@ -199,6 +244,7 @@ impl<'a> Guard<'a> {
             self.hand_over(Library::of_one(name));
         }
         self.pass("usemtl", name);
+        self.lines.material = Some(name.to_owned());
     }
 
     fn library(&mut self, names: &str, line: usize) -> Result<(), Fault> {
@@ -216,15 +262,16 @@ impl<'a> Guard<'a> {
                 continue;
             }
             let read = path.and_then(|p| {
-                mtl::read(&p, self.files, &mut self.textures, &mut self.warnings).map_err(|e| match e {
-                    // A missing library costs colours; a broken one is for its author to mend.
-                    ImportError {
-                        place: Place::File,
-                        fault: fault @ (Fault::Io(_) | Fault::NotRegular),
-                        ..
-                    } => fault,
-                    other => Fault::Syntax(other.to_string()),
-                })
+                mtl::read(&p, self.files, self.options.content, &mut self.textures, &mut self.warnings)
+                    .map_err(|e| match e {
+                        // A missing library costs colours; a broken one is for its author to mend.
+                        ImportError {
+                            place: Place::File,
+                            fault: fault @ (Fault::Io(_) | Fault::NotRegular),
+                            ..
+                        } => fault,
+                        other => Fault::Syntax(other.to_string()),
+                    })
             });
             match read {
                 Ok(library) => self.hand_over(library),
@@ -263,6 +310,15 @@ pub(super) fn split_keyword(line: &str) -> (&str, &str) {
     let line = line.trim();
     let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     (keyword, rest.trim_start())
+}
+
+/// The three words behind the position of a `v` statement, with or without its keyword, if there are: its colour, which
+/// is sRGB as on a screen. (One word is a weight, which nobody uses.)
+fn color_of(statement: &str) -> Option<[&str; 3]> {
+    let text = statement.split('#').next().unwrap_or_default().trim();
+    let mut words = text.strip_prefix("v ").unwrap_or(text).split_whitespace().skip(3);
+    let color = [words.next()?, words.next()?, words.next()?];
+    Some(color)
 }
 
 /// A number of at most this size.
