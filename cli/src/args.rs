@@ -320,12 +320,12 @@ impl RenderArgs {
 /// The scene of a file: as it is described, or a mesh with long fur on all of it.
 pub fn open(path: &Path) -> Result<SceneFile, Error> {
     match extension(path).as_str() {
-        "toml" => SceneFile::open(path),
+        "toml" | "json" => SceneFile::open(path),
         "obj" | "gltf" | "glb" => {
             Ok(SceneFile { skin: vec![SkinEntry::default()], ..SceneFile::of_mesh(path) })
         }
         _ => {
-            let expected = ".toml, .gltf, .glb or .obj";
+            let expected = ".toml, .json, .gltf, .glb or .obj";
             Err(Fault::Extension { expected }.at(path, Place::File).into())
         }
     }

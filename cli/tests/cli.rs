@@ -104,7 +104,7 @@ fn inputs_that_are_no_scene() {
     for (scene, message) in [
         ("missing.obj", "pelage: missing.obj: cannot be read"),
         ("folder.obj", "folder.obj: is not a regular file"),
-        ("a.fbx", "a.fbx: has an unknown extension: expected .toml, .gltf, .glb or .obj"),
+        ("a.fbx", "a.fbx: has an unknown extension: expected .toml, .json, .gltf, .glb or .obj"),
         ("empty.obj", "empty.obj: holds no faces"),
         ("nan.obj", "nan.obj:2: `nan` is not a usable number"),
         ("cut.glb", "cut.glb: byte 8: the file is shorter than its header says"),

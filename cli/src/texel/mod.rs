@@ -6,11 +6,13 @@
 //! | `grow` | [`grow`]: a kind, by its parameters |
 //! | `info` | [`info`] |
 //! | `kinds` | [`kinds`]: what grows, and what can be set of it |
+//! | `view` | [`view`] |
 
 mod bake;
 mod grow;
 mod info;
 mod kinds;
+mod view;
 
 use clap::Subcommand;
 
@@ -27,6 +29,8 @@ pub enum TexelCommand {
     Info(info::InfoArgs),
     /// List what grows, its presets and its parameters.
     Kinds(kinds::KindsArgs),
+    /// Draw a texel from all sides, and each of its levels.
+    View(view::ViewArgs),
 }
 
 /// Does it.
@@ -36,5 +40,6 @@ pub fn run(command: &TexelCommand) -> Result<(), Failure> {
         TexelCommand::Grow(args) => grow::run(args),
         TexelCommand::Info(args) => info::run(args),
         TexelCommand::Kinds(args) => kinds::run(args),
+        TexelCommand::View(args) => view::run(args),
     }
 }

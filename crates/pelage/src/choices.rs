@@ -121,6 +121,11 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>, C: Choice>(deserializer: D)
         fn visit_i64<E: de::Error>(self, number: i64) -> Result<C, E> {
             self.visit_str(&number.to_string())
         }
+
+        // What JSON has.
+        fn visit_u64<E: de::Error>(self, number: u64) -> Result<C, E> {
+            self.visit_str(&number.to_string())
+        }
     }
     deserializer.deserialize_any(Word(std::marker::PhantomData))
 }

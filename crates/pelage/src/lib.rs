@@ -48,7 +48,7 @@
 //! | [`compile`] | a description becomes a scene, stage by stage |
 //! | [`staging`] | camera, light and exposure where there are none |
 //! | [`compose`], [`output`] | a background behind the film; PNG and EXR files |
-//! | [`texel_file`] | texels to and from files |
+//! | [`texel_file`], [`contact_sheet`] | texels to and from files; a picture of one from all sides, at every level |
 //! | [`expand`] | a scene as explicit triangles: glTF, OBJ and PLY files |
 //! | [`outline`] | the boxes of skins as lines |
 //! | [`geom`], [`skin`], [`texel`], [`tracer`] | the crates that do the work, re-exported |
@@ -61,6 +61,7 @@ pub mod bake;
 pub mod choices;
 pub mod compile;
 pub mod compose;
+pub mod contact_sheet;
 mod error;
 pub mod expand;
 pub mod import;

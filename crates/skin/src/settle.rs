@@ -15,6 +15,9 @@ const SHORTENING: f32 = 0.8;
 /// In how many steps a vector is turned back to where it would stand upright.
 const TURNS: u8 = 8;
 
+/// In radians: nearer, an `f32` cannot tell two directions apart by their angle.
+const UPRIGHT: f32 = 1e-3;
+
 /// Where the boxes over some vertices are wanted, and where they would be safest.
 #[derive(Clone, Copy)]
 pub(crate) struct Wanted<'a> {
@@ -78,8 +81,11 @@ fn turned_back(vector: Vec3, upright: Vec3, turns: u8) -> Vec3 {
     if upright == Vec3::ZERO || vector == Vec3::ZERO {
         return vector;
     }
-    let fraction = f32::from(turns) / f32::from(TURNS);
-    vector.rotate_towards(upright, fraction * vector.angle_between(upright))
+    let angle = vector.angle_between(upright);
+    if angle < UPRIGHT {
+        return vector;
+    }
+    vector.rotate_towards(upright, f32::from(turns) / f32::from(TURNS) * angle)
 }
 
 /// Erects the boxes as wanted, and deals with those that are folded.
@@ -149,15 +155,20 @@ pub(crate) fn settle(wanted: Wanted, patches: &[Patch], mending: &Mending) -> Se
                 gives_way[v as usize] = true;
             }
         }
+        let before = conceded.clone();
         for (v, by) in conceded.iter_mut().enumerate() {
-            let before = *by;
             if shorten[v] {
                 by.scale = (by.scale * SHORTENING).max(mending.shortest);
             }
             if turn[v] {
                 by.turns = (by.turns + 1).min(most_turns);
             }
-            changed[v] = *by != before;
+        }
+        if turn.contains(&true) {
+            even_out(&mut conceded, patches);
+        }
+        for (v, by) in conceded.iter().enumerate() {
+            changed[v] = *by != before[v];
             if changed[v] {
                 settled.top[v] = wanted.reach(v, *by);
             }
@@ -166,8 +177,26 @@ pub(crate) fn settle(wanted: Wanted, patches: &[Patch], mending: &Mending) -> Se
     settled.folds = folds.into_iter().flatten().collect();
     settled.mended_vertices = conceded.iter().filter(|by| by.scale < 1.0).count();
     settled.shortest = conceded.iter().map(|by| by.scale).fold(1.0, f32::min);
-    settled.turned_back = conceded.iter().filter(|by| by.turns > 0).count();
+    let turned = |(v, by): (usize, &Concession)| {
+        by.turns > 0 && wanted.reach(v, Concession { scale: 1.0, ..*by }) != full[v]
+    };
+    settled.turned_back = conceded.iter().enumerate().filter(|&c| turned(c)).count();
     settled
+}
+
+/// Turns back what is around vertices that were, to within one step of them: a single upright vector among leaning
+/// ones would fold the boxes before it.
+fn even_out(conceded: &mut [Concession], patches: &[Patch]) {
+    // A step less each time, so that it is done after as many rounds as there are steps.
+    for _ in 0..TURNS {
+        for patch in patches {
+            let most = patch.corners().iter().map(|&v| conceded[v as usize].turns).max().unwrap_or(0);
+            for &v in patch.corners() {
+                let turns = &mut conceded[v as usize].turns;
+                *turns = (*turns).max(most.saturating_sub(1));
+            }
+        }
+    }
 }
 
 impl Settled {

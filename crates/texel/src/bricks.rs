@@ -116,8 +116,13 @@ impl Bricks {
             return Err("has bricks out of order");
         }
         // Of a small level only the first cells of its one brick exist.
-        let cells = |words: &[u64; 8]| (0..8).rev().find_map(|w| words[w].checked_ilog2().map(|b| 64 * w as u32 + b));
-        match occupied.iter().map(|(_, words)| cells(words)).find(|last| last.is_none_or(|l| l >= resolution.pow(3))) {
+        let cells =
+            |words: &[u64; 8]| (0..8).rev().find_map(|w| words[w].checked_ilog2().map(|b| 64 * w as u32 + b));
+        match occupied
+            .iter()
+            .map(|(_, words)| cells(words))
+            .find(|last| last.is_none_or(|l| l >= resolution.pow(3)))
+        {
             Some(None) => Err("has an empty brick"),
             Some(Some(_)) => Err("has cells outside of itself"),
             None => Ok(Self::of_occupied(resolution, occupied.iter().copied())),

@@ -16,9 +16,9 @@ use crate::grid::Frame;
 use crate::openness;
 use crate::packed::Packed;
 use crate::region::{Parts, Region};
+use crate::source::Content;
 use crate::surroundings::Surroundings;
 use crate::voxelise::{Cells, Facet, tile};
-use crate::source::Content;
 use crate::{BuildError, Density, Geometry, Level, Scatterers, Source, Surfel, Texel, Voxel};
 
 /// How many sightlines each level is held against.
@@ -233,10 +233,12 @@ fn levels_of_density(
     let sightlines = Sightline::cast(SIGHTLINES, options.periodic, first_hit);
     let levels = (0..).zip(&lists).map(|(l, codes)| {
         let Sampling { frames, side } = options.sampling(l);
+        // A density changes evenly across fine voxels.
+        let side = if l < 6 { side } else { side.min(4) };
         let voxels = measure::level(&table, codes, l, &frames, side, &report);
         let mut level = Level::new(Bricks::new(1 << l, codes), voxels, options.periodic);
         calibrate(&mut level, &sightlines);
-        level.set_cloud(scatter::level(&table, codes, l));
+        level.set_cloud(scatter::level(&table, codes, l, options.points));
         level
     });
     levels.collect()

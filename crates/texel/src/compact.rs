@@ -72,13 +72,15 @@ impl Compact {
         let (directions, named) = Palette::gather(&normals.collect::<Vec<_>>(), 1 << DIRECTION);
         let (of_voxels, of_surfels) = named.split_at(voxels.len());
         // Where there are surfels, theirs are the colours that are seen.
-        let plain = voxels.iter().zip(each()).filter(|(_, of)| of.is_empty()).map(|(voxel, _)| voxel.albedo());
+        let plain =
+            voxels.iter().zip(each()).filter(|(_, of)| of.is_empty()).map(|(voxel, _)| voxel.albedo());
         let all: Vec<[u8; 3]> = surfels.all().iter().map(Surfel::root_color).chain(plain).collect();
         let all: Vec<[i16; 3]> = all.into_iter().map(|color| color.map(i16::from)).collect();
         let (colors, named) = Palette::gather(&all, 1 << COLOR);
         let (surfel_colors, plain) = named.split_at(surfels.all().len());
 
-        let (mut pairs, mut short) = (Vec::with_capacity(voxels.len()), Vec::with_capacity(surfels.all().len()));
+        let (mut pairs, mut short) =
+            (Vec::with_capacity(voxels.len()), Vec::with_capacity(surfels.all().len()));
         let mut plain = plain.iter();
         for of in each() {
             let from = short.len();
@@ -114,7 +116,9 @@ impl Compact {
         if counts.iter().any(|&count| count > 15) {
             return Err("has a voxel of too many surfels");
         }
-        if counts.len() != voxels.len() || counts.iter().map(|&c| usize::from(c)).sum::<usize>() != surfels.len() {
+        if counts.len() != voxels.len()
+            || counts.iter().map(|&c| usize::from(c)).sum::<usize>() != surfels.len()
+        {
             return Err("miscounts its surfels");
         }
         let counts = Counts::of(counts.iter().map(|&count| count.into()));
@@ -125,7 +129,8 @@ impl Compact {
     /// What is named and not there, if anything.
     pub(crate) fn fault(&self) -> Option<&'static str> {
         let [directions, colors] = [self.directions.points().len(), self.colors.points().len()];
-        let sound = |v: &CompactVoxel| v.direction() < directions && v.colors().into_iter().all(|c| c < colors);
+        let sound =
+            |v: &CompactVoxel| v.direction() < directions && v.colors().into_iter().all(|c| c < colors);
         if !self.voxels.iter().all(sound) {
             return Some("names a direction or colour that there is not");
         }
@@ -154,7 +159,8 @@ impl Compact {
     /// The surfels of a voxel.
     pub(crate) fn surfels_of(&self, index: usize) -> impl ExactSizeIterator<Item = Surfel> + '_ {
         let range = self.counts.get(index / 16).map_or(0..0, |counts| counts.range(index % 16));
-        let colors = self.voxels.get(index).map_or([0; 2], CompactVoxel::colors).map(|name| self.root_color(name));
+        let colors =
+            self.voxels.get(index).map_or([0; 2], CompactVoxel::colors).map(|name| self.root_color(name));
         let own = self.surfels.get(range).unwrap_or(&[]);
         own.iter().map(move |&bits| {
             let normal = self.directions.get((bits >> 16) as usize & 0xfff);
@@ -170,7 +176,8 @@ impl Compact {
 
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
-        let lists = size_of_val(&self.voxels[..]) + size_of_val(&self.surfels[..]) + size_of_val(&self.counts[..]);
+        let lists =
+            size_of_val(&self.voxels[..]) + size_of_val(&self.surfels[..]) + size_of_val(&self.counts[..]);
         lists + self.directions.memory() + self.colors.memory()
     }
 }
@@ -214,9 +221,9 @@ fn surfel_bits(surfel: &Surfel, direction: u16, second: bool) -> u32 {
 
 /// 4 × 4 squares as 8 × 8 cells.
 fn spread(squares: u16) -> u64 {
-    (0..16).filter(|square| squares >> square & 1 != 0).fold(0, |mask, square| {
-        mask | 0x0303 << (16 * (square / 4) + 2 * (square % 4))
-    })
+    (0..16)
+        .filter(|square| squares >> square & 1 != 0)
+        .fold(0, |mask, square| mask | 0x0303 << (16 * (square / 4) + 2 * (square % 4)))
 }
 
 fn distance(colors: &Palette<3>, a: u16, b: u16) -> i32 {
@@ -226,7 +233,8 @@ fn distance(colors: &Palette<3>, a: u16, b: u16) -> i32 {
 
 /// The two of some colours that are furthest apart, the first of the palette first.
 fn furthest(names: &[u16], colors: &Palette<3>) -> [u16; 2] {
-    let pairs = names.iter().enumerate().flat_map(|(i, &a)| names[i..].iter().map(move |&b| [a.min(b), a.max(b)]));
+    let pairs =
+        names.iter().enumerate().flat_map(|(i, &a)| names[i..].iter().map(move |&b| [a.min(b), a.max(b)]));
     pairs.max_by_key(|&[a, b]| distance(colors, a, b)).unwrap_or_default()
 }
 
@@ -380,5 +388,92 @@ impl CompactView<'_> {
     pub(crate) fn depth_per_step(&self, d: Vec3) -> f32 {
         let (scale, [xx, yy, zz, xy, xz, yz]) = self.voxel.root();
         scale * Symmetric3 { xx, yy, zz, xy, xz, yz }.mul_vec3(d).length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::packed::{snapped_box, snapped_normal, snapped_slab};
+    use crate::{BuildOptions, Fur, build_exact};
+
+    #[test]
+    fn sizes() {
+        assert_eq!((size_of::<CompactVoxel>(), size_of::<Counts>()), (16, 12));
+    }
+
+    proptest! {
+        #[test]
+        fn counts_say_where_surfels_are(each in prop::collection::vec(0_usize..16, 0..70)) {
+            let counts = Counts::of(each.iter().copied());
+            let mut start = 0;
+            for (voxel, &count) in each.iter().enumerate() {
+                prop_assert_eq!(counts[voxel / 16].range(voxel % 16), start..start + count);
+                start += count;
+            }
+        }
+
+        #[test]
+        fn what_is_rounded_is_near(
+            scale in -10.0_f32..10.0,
+            rows in prop::array::uniform3(prop::array::uniform3(-1.0_f32..1.0)),
+            n in prop::array::uniform3(-1.0_f32..1.0),
+            low in prop::array::uniform3(0.0_f32..0.5),
+            size in prop::array::uniform3(0.1_f32..0.5),
+            d in prop::array::uniform3(-1.0_f32..1.0),
+        ) {
+            let n = Vec3::from_array(n);
+            prop_assume!(n.length() > 0.1);
+            let low = Vec3::from_array(low);
+            let [lo, hi] = snapped_box(low, low + Vec3::from_array(size));
+            let slab_normal = snapped_normal(n.normalize());
+            // The middle half of the box's extent along the normal.
+            let way = Way::through([lo, hi], slab_normal);
+            let slab = snapped_slab([0.25, 0.75].map(|part| way.start + part * way.length));
+            let sigma = rows.map(|r| Symmetric3::outer(Vec3::from_array(r))).into_iter().sum::<Symmetric3>();
+            let sigma = sigma * scale.exp2();
+            let exact = Packed::new(&Voxel { sigma, lo, hi, slab_normal, slab, albedo: Vec3::ONE });
+            let compact = Compact::new(&[exact], &Surfels::new(vec![vec![]])).unwrap();
+            let back = compact.unpack(0);
+            prop_assert!((back.lo - lo).abs().max_element() <= 0.5 / 63.0 + 1e-5);
+            prop_assert!((back.hi - hi).abs().max_element() <= 0.5 / 63.0 + 1e-5);
+            prop_assert_eq!(back.slab_normal, slab_normal);
+            // Half a step of the box, of the middle (1/126) and of the thickness (2 √½ / 128): under .03.
+            for (kept, was) in back.slab.iter().zip(slab) {
+                prop_assert!((kept - was).abs() < 0.03, "{kept} {was}");
+            }
+            // Each entry of the root is half a step off at most, of which 31 are at least √½ of the largest; the way
+            // through is corrected by under a fifth.
+            let d = Vec3::from_array(d);
+            let most = sigma.trace().sqrt() * d.length();
+            let depths = [compact.voxel(0).depth_per_step(d), sigma.quadratic(d).max(0.0).sqrt()];
+            prop_assert!((depths[0] - depths[1]).abs() < 0.25 * depths[1] + 0.07 * most, "{depths:?}");
+            prop_assert!((compact.voxel(0).sigma().quadratic(d).sqrt() - depths[0]).abs() < 1e-3 * most);
+            prop_assert_eq!(CompactVoxel::from_bytes(compact.voxels[0].to_bytes()), compact.voxels[0]);
+        }
+    }
+
+    #[test]
+    fn a_texel_keeps_its_surfels() {
+        let options = BuildOptions { depth: 6, ..BuildOptions::preview() };
+        let exact = build_exact("fur", Fur { count: 10, ..Fur::long() }, &options, &|_| ()).unwrap();
+        let compact = exact.clone().compacted();
+        assert_eq!(compact.validate(), Ok(()));
+        let (a, b) = (exact.level(6), compact.level(6));
+        let mut seen = 0;
+        for voxel in 0..a.len() as u32 {
+            let (a, b): (Vec<_>, Vec<_>) = (a.surfels(voxel).collect(), b.surfels(voxel).collect());
+            assert_eq!(a.len(), b.len());
+            for (a, b) in a.iter().zip(&b) {
+                seen += 1;
+                assert_eq!(a.coarse_mask(), b.coarse_mask());
+                // Few strands have few normals: the palette holds them all. Weights are rounded to eighths.
+                assert_eq!(a.normal(), b.normal());
+                assert!((a.weight() - b.weight()).abs() <= 0.13, "{} {}", a.weight(), b.weight());
+            }
+        }
+        assert!(seen > 500 && 2 * b.memory() < a.memory(), "{seen} {} {}", b.memory(), a.memory());
     }
 }

@@ -49,7 +49,8 @@ pub use build::{BuildOptions, build, build_exact};
 pub use density::Density;
 pub use error::{BuildError, TexelError};
 pub use kinds::{
-    Domain, Foliage, Fur, Grass, Hypertexture, Kind, Leaves, Moss, Needles, Parameter, Pile, Preset, Sheet, Spheres, Value,
+    Domain, Foliage, Fur, Grass, Hypertexture, Kind, Leaves, Moss, Needles, Parameter, Pile, Preset, Sheet,
+    Spheres, Value,
 };
 pub use line::{Crossing, Line};
 pub use lobe::Lobe;

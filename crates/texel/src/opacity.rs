@@ -19,10 +19,13 @@ impl Texel {
             from[(axis + 1) % 3] = size * ((i % SIDE) as f32 + 0.37) / SIDE as f32;
             from[(axis + 2) % 3] = size * ((i / SIDE) as f32 + 0.37) / SIDE as f32;
             let line = Line::new(from, along);
-            let inside = |cell: &IVec3| cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(size as i32)).all();
+            let inside =
+                |cell: &IVec3| cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(size as i32)).all();
             let steps = level.walk(from, from + along).filter(|step| inside(&step.cell));
             let depth = |step: crate::Step| {
-                level.cross(step.voxel, &line, step.cell, [step.enter, step.leave]).map_or(0.0, |met| met.depth)
+                level
+                    .cross(step.voxel, &line, step.cell, [step.enter, step.leave])
+                    .map_or(0.0, |met| met.depth)
             };
             1.0 - (-steps.map(depth).sum::<f32>()).exp()
         };

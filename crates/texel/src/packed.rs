@@ -60,14 +60,7 @@ impl Packed {
         let root = unit(self.albedo);
         let [lo, hi] = self.region_box();
         let (slab_normal, slab) = self.region_slab();
-        Voxel {
-            sigma: self.sigma(),
-            lo,
-            hi,
-            slab_normal,
-            slab,
-            albedo: root * root,
-        }
+        Voxel { sigma: self.sigma(), lo, hi, slab_normal, slab, albedo: root * root }
     }
 
     /// The corners of the tight box.
@@ -106,7 +99,7 @@ impl Packed {
     }
 
     /// Its bytes as they are drawn above, little endian.
-    pub(crate) fn to_bytes(&self) -> [u8; 32] {
+    pub(crate) fn to_bytes(self) -> [u8; 32] {
         let mut bytes = [0; 32];
         let pairs = self.sigma.into_iter().chain(self.normal).map(i16::to_le_bytes);
         let pairs = pairs.chain(self.slab.map(u16::to_le_bytes));
@@ -132,7 +125,6 @@ impl Packed {
             exponent: bytes[29],
         }
     }
-
 }
 
 /// Numbers in `[0, 1]` as bytes.

@@ -34,7 +34,8 @@ impl<const D: usize> Palette<D> {
         for one in cells.chunk_by(|a, b| a.0 == b.0) {
             let whole: i64 = one.iter().map(|&(_, _, times)| i64::from(times)).sum();
             let mean = |axis: usize| {
-                let sum: i64 = one.iter().map(|&(_, point, times)| i64::from(point[axis]) * i64::from(times)).sum();
+                let sum: i64 =
+                    one.iter().map(|&(_, point, times)| i64::from(point[axis]) * i64::from(times)).sum();
                 (sum as f64 / whole as f64).round() as i16
             };
             names.push(one[0].0);
@@ -66,7 +67,8 @@ impl<const D: usize> Palette<D> {
 }
 
 fn cell<const D: usize>(point: [i16; D], width: i32) -> [i32; D] {
-    point.map(|c| i32::from(c).div_euclid(width))
+    // From the lowest corner of all, so that one cell may hold everything.
+    point.map(|c| (i32::from(c) - i32::from(i16::MIN)) / width)
 }
 
 /// How many cells of a grid are used.

@@ -222,7 +222,8 @@ impl Cloud {
             sum = sum.checked_add(count)?;
             first.push(sum);
         }
-        let mapped = if side == 0 { Some(0) } else { all.len().checked_mul(side.checked_add(1)?.checked_pow(2)?) };
+        let mapped =
+            if side == 0 { Some(0) } else { all.len().checked_mul(side.checked_add(1)?.checked_pow(2)?) };
         let fits = sum as usize == all.len() && mapped == Some(maps.len());
         fits.then_some(Self { first, all, maps, side })
     }

@@ -74,7 +74,7 @@ impl Surfel {
     }
 
     /// Mask, normal, colour and weight, little endian.
-    pub(crate) fn to_bytes(&self) -> [u8; 16] {
+    pub(crate) fn to_bytes(self) -> [u8; 16] {
         let [x, y] = self.normal.map(i16::to_le_bytes);
         let [r, g, b] = self.color;
         let mut bytes = [0; 16];

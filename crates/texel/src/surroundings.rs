@@ -121,10 +121,9 @@ impl<'a> Surroundings<'a> {
                 if !(hits.simd_ge(f32x4::splat(near)) & hits.simd_lt(f32x4::splat(first))).any() {
                     continue;
                 }
-                let hits = hits.to_array();
-                for i in 0..LANES {
-                    if hits[i] > near && hits[i] < first && block.ids[i] != own {
-                        first = hits[i];
+                for (hit, id) in hits.to_array().into_iter().zip(block.ids) {
+                    if hit > near && hit < first && id != own {
+                        first = hit;
                     }
                 }
             }

@@ -39,16 +39,16 @@ file = "calf.obj"
 subdivide = 3
 
 [[geometry]]
-surface.sphere.radius = 0.034
+surface.sphere.radius = 0.045
 name = "Eye"
 color = [0.012, 0.01, 0.01]
-translate = [0.175, 1.1, 0.83]
+translate = [0.2, 1.1, 0.79]
 
 [[geometry]]
-surface.sphere.radius = 0.034
+surface.sphere.radius = 0.045
 name = "Eye"
 color = [0.012, 0.01, 0.01]
-translate = [-0.175, 1.1, 0.83]
+translate = [-0.2, 1.1, 0.79]
 
 [[geometry]]
 surface.plane.size = [40, 40]
@@ -60,16 +60,16 @@ color = [0.34, 0.4, 0.2]
 on = "Coat"
 texel.fur = { preset = "long", root_color = [0.75, 0.72, 0.7] }
 layout = "per-patch"
-height = 0.1
-aspect = 1.0
+height = 0.065
+aspect = 1.2
 
 # From the nose over the head, the neck and the back to the tail, and down.
 [[skin.groom]]
 comb.along.curve = [[0, 0.85, 1.15], [0, 1.15, 0.8], [0, 0.95, 0.45], [0, 0.85, 0], [0, 0.8, -0.5], [0, 0.1, -0.8]]
-comb.angle = 60
+comb.angle = 52
 
 [[skin.groom]]
-gravity = 0.8
+gravity = 0.5
 
 # White is long.
 [[skin.groom]]
@@ -77,16 +77,13 @@ scale = 0.22
 where = { image = "calf-length.png", invert = true }
 
 [[skin.groom]]
-swirl = { centre = [0, 1.2, 0.8], axis = [0, 0.6, 0.8], radius = 0.2, angle = 40, pitch = 60 }
+noise = { height = 0.3, tilt = 14, size = 0.12 }
 
 [[skin.groom]]
-noise = { height = 0.35, tilt = 22, size = 0.09 }
+clump = { size = 0.1, amount = 0.25 }
 
 [[skin.groom]]
-clump = { size = 0.075, amount = 0.35 }
-
-[[skin.groom]]
-smooth = { steps = 2 }
+smooth = { steps = 3 }
 
 [camera.look_at]
 eye = [2.5, 1.35, 2.7]

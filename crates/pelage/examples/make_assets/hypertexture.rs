@@ -50,7 +50,9 @@ fn texels(place: fn(Vec2) -> Vec3) -> String {
 
 const FLOOR: &str = "\
 # Written by make_assets.
+mtllib materials.mtl
 o Floor
+usemtl Rock
 v -30 0 30
 v 30 0 30
 v 30 0 -30
@@ -83,9 +85,9 @@ tiling = 1
 texel.hypertexture = { preset = "wild" }
 
 [camera.look_at]
-eye = [0.05, 1.6, 6.4]
-target = [0.05, 0.47, 0]
-fov = 26
+eye = [0.2, 1.6, 6.4]
+target = [0.12, 0.42, 0]
+fov = 14
 
 [[light]]
 directional = { direction = [0.75, -0.9, -0.55], illuminance = [3.6, 3.3, 2.9], angle = 1.5 }
@@ -102,7 +104,7 @@ background = "#cfd6dc"
 /// A ball of radius 1 as a cube of 4 × 4 faces a side, without texture coordinates.
 fn planet() -> String {
     const N: usize = 4;
-    let mut obj = String::from("# Written by make_assets.\no Planet\n");
+    let mut obj = String::from("# Written by make_assets.\nmtllib materials.mtl\no Planet\nusemtl Soil\n");
     let mut points: Vec<Vec3> = Vec::new();
     let mut faces = String::new();
     for side in 0..6 {

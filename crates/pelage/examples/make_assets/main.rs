@@ -7,6 +7,7 @@
 mod calf;
 mod gallery;
 mod hypertexture;
+mod part;
 mod standard;
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};

@@ -26,7 +26,7 @@ pub enum BakeFault {
         domain: &'static str,
     },
     /// There are lines, and nothing says how thick they are.
-    #[error("{count} strands have no thickness of their own: give them a radius")]
+    #[error("strands have no thickness of their own ({count} of them): give them a radius")]
     Radius {
         /// How many strands.
         count: usize,

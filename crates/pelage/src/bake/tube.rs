@@ -105,22 +105,20 @@ mod tests {
 
     #[test]
     fn a_tube_has_the_area_of_a_round_one() {
-        // Mantle 2πrL with r = 0.002, L = 0.8, and thinner ends count little: πr² each is 0.03 % of it. A girth equal
-        // to the circle's makes the mantle exactly its own, for any number of sides.
-        for resolution in [64, 512, 4096] {
-            let knot = |z: f32| Knot { position: Vec3::splat(z), radius: 0.002, color: Vec3::ONE };
-            let length = 0.8;
+        // A girth equal to the circle's makes the mantle exactly 2πrL, for any number of sides. The two ends are
+        // polygons of n sides around a circle of g r, g = (π/n)/sin(π/n): n/2 · (g r)² sin(2π/n) each.
+        let (radius, length) = (0.002, 0.8);
+        for (resolution, sides) in [(64, 3.0), (512, 6.0), (4096, 12.0)] {
+            let knot = |z: f32| Knot { position: Vec3::splat(z), radius, color: Vec3::ONE };
             let half = 0.5 * length / 3.0_f32.sqrt();
             let mut pieces = Pieces::default();
-            tube(
-                &[knot(0.5 - half), knot(0.4), knot(0.5 + half)],
-                0.3,
-                resolution,
-                Extent::new(false),
-                &mut pieces,
-            );
-            let round = f64::from(TAU * 0.002 * length);
-            assert!((pieces.area / round - 1.0).abs() < 2e-3, "{resolution}: {} of {round}", pieces.area);
+            let knots = [knot(0.5 - half), knot(0.4), knot(0.5 + half)];
+            tube(&knots, 0.3, resolution, Extent::new(false), &mut pieces);
+            let side: f32 = PI / sides;
+            let corner = radius * side / side.sin();
+            let ends = sides * corner * corner * (2.0 * side).sin();
+            let round = f64::from(TAU * radius * length + ends);
+            assert!((pieces.area / round - 1.0).abs() < 1e-4, "{resolution}: {} of {round}", pieces.area);
         }
     }
 

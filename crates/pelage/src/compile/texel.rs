@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use pelage_texel::{BuildError, BuildOptions, Procedure, Texel, build};
+use pelage_texel::{BuildError, BuildOptions, Kind, Procedure, Texel, build};
 
 use super::{Loaded, resolve};
 use crate::choices::Method;
@@ -48,11 +48,9 @@ impl Loaded {
             return self.unbaked();
         }
         let count = self.file.skin.len() as f32;
-        self.texels(&|skin, entry| {
-            let TexelEntry::Grown { kind, resolution } = entry else { return None };
+        self.texels(&|skin, kind, resolution| {
             let options = BuildOptions { depth: resolution.ilog2(), ..BuildOptions::standard() };
-            let fraction = |f: f32| progress((skin as f32 + f) / count);
-            Some(build(kind.name(), kind.clone(), &options, &fraction))
+            build(kind.name(), kind.clone(), &options, &|f| progress((skin as f32 + f) / count))
         })
     }
 
@@ -62,29 +60,27 @@ impl Loaded {
     /// # Errors
     /// Numbers of a texel out of their domain.
     pub fn unbaked(&self) -> Result<Vec<Arc<Texel>>, Error> {
-        self.texels(&|_, entry| match entry {
-            TexelEntry::Grown { kind, .. } => Some(Texel::unbaked(kind.name(), kind.clone())),
-            TexelEntry::File(_) | TexelEntry::Given(_) => None,
-        })
+        self.texels(&|_, kind, _| Texel::unbaked(kind.name(), kind.clone()))
     }
 
-    /// The texel of each skin: of its file, or what `make` makes of its number and entry.
+    /// The texel of each skin: of its file, or what `make` makes of its number, kind and resolution.
     fn texels(
         &self,
-        make: &dyn Fn(usize, &TexelEntry) -> Option<Result<Texel, BuildError>>,
+        make: &dyn Fn(usize, &Kind, u32) -> Result<Texel, BuildError>,
     ) -> Result<Vec<Arc<Texel>>, Error> {
         let mut texels: Vec<Arc<Texel>> = Vec::new();
         for (i, skin) in self.file.skin.iter().enumerate() {
-            let field = || format!("{}: skin[{i}].texel", self.file.path.display());
-            let texel = match (&self.texels[i], earlier(&self.file, i)) {
-                (Some(read), _) => read.clone(),
-                (None, Some(same)) => texels[same].clone(),
-                (None, None) => match make(i, &skin.texel) {
-                    Some(made) => {
-                        Arc::new(made.map_err(|source| Error::Texel { field: field(), source })?)
-                    }
-                    None => return Err(Error::Texel { field: field(), source: BuildError::Sourceless }),
-                },
+            let texel = match (&self.texels[i], earlier(&self.file, i), &skin.texel) {
+                (Some(read), _, _) => read.clone(),
+                (None, Some(same), _) => texels[same].clone(),
+                (None, None, entry) => {
+                    let made = match entry {
+                        TexelEntry::Grown { kind, resolution } => make(i, kind, *resolution),
+                        TexelEntry::File(_) | TexelEntry::Given(_) => Err(BuildError::Sourceless),
+                    };
+                    let field = || format!("{}: skin[{i}].texel", self.file.path.display());
+                    Arc::new(made.map_err(|source| Error::Texel { field: field(), source })?)
+                }
             };
             texels.push(texel);
         }

@@ -21,7 +21,7 @@ pub use texel::TexelEntry;
 
 use crate::choices::{self, Background, Method};
 use crate::error::Error;
-use crate::import::{Fault, Files, ImportOptions, Place};
+use crate::import::{Fault, Files, ImportOptions, Place, extension};
 use crate::output::Tone;
 use crate::staging::View;
 
@@ -322,10 +322,10 @@ impl SceneFile {
         Self { path: path.to_owned(), geometry: vec![GeometryEntry::new(file)], ..Self::default() }
     }
 
-    /// Reads a TOML scene.
+    /// Reads a scene: TOML, or the same in JSON where the name ends in `.json`.
     ///
     /// # Errors
-    /// The file cannot be read, is not TOML (with its line), or does not describe a scene (with the field).
+    /// The file cannot be read, is not TOML or JSON (with its line), or does not describe a scene (with the field).
     pub fn open(path: &Path) -> Result<Self, Error> {
         let limits = ImportOptions::default().limits;
         let files = Files::around(path, &[], limits)?;
@@ -336,19 +336,54 @@ impl SceneFile {
         Self::parse(&text, path)
     }
 
-    /// Reads the text of a TOML scene; `path` is what references are relative to.
+    /// Reads the text of a scene; `path` is what references are relative to, and tells TOML from JSON.
     ///
     /// # Errors
     /// As [`SceneFile::open`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, Error> {
-        let mut scene: Self = toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
-            let line = before.matches('\n').count() + 1;
-            let message = e.message().split('\n').next().unwrap_or_default();
-            Fault::Syntax(plain(message)).at(path, Place::Line(line))
-        })?;
+        let at = |line: usize, message: &str| Fault::Syntax(plain(message)).at(path, Place::Line(line));
+        let mut scene: Self = if extension(path) == "json" {
+            serde_json::from_str(text).map_err(|e| {
+                // The line is told as the place.
+                at(e.line(), e.to_string().split(" at line ").next().unwrap_or_default())
+            })?
+        } else {
+            toml::from_str(text).map_err(|e| {
+                let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+                let line = before.matches('\n').count() + 1;
+                at(line, e.message().split('\n').next().unwrap_or_default())
+            })?
+        };
         scene.path = path.to_owned();
         scene.validate()?;
         Ok(scene)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_says_the_same_as_toml() {
+        let toml = "geometry = [{ file = 'a.obj', scale = 2 }]\n[[skin]]\non = 'Body'\nheight = 1\n\
+                    texel.fur = { preset = 'short', count = 9 }\n[[skin.groom]]\ngravity = 1\n\
+                    where = { material = 'Body', invert = true }\n[render]\nrays = 4\nlod = 3\nsize = [8, 8]\n";
+        let json = r#"{
+            "geometry": [{ "file": "a.obj", "scale": 2 }],
+            "skin": [{
+                "on": "Body", "height": 1, "texel": { "fur": { "preset": "short", "count": 9 } },
+                "groom": [{ "gravity": 1, "where": { "material": "Body", "invert": true } }]
+            }],
+            "render": { "rays": 4, "lod": 3, "size": [8, 8] }
+        }"#;
+        let of_toml = SceneFile::parse(toml, Path::new("s.toml")).expect("a scene");
+        let of_json = SceneFile::parse(json, Path::new("s.json")).expect("a scene");
+        assert_eq!(SceneFile { path: of_toml.path.clone(), ..of_json }, of_toml);
+        let error =
+            SceneFile::parse("{\n\"skim\": 3\n}", Path::new("s.json")).expect_err("no scene").to_string();
+        assert!(error.starts_with("s.json:2: unknown field `skim`, expected one of"), "{error}");
+        let error = SceneFile::parse("{\n", Path::new("s.json")).expect_err("no scene").to_string();
+        assert!(error.starts_with("s.json:") && !error.contains('\n'), "{error}");
     }
 }

@@ -229,7 +229,7 @@ mod tests {
         for (kind, name, text, message) in [
             ("gras", "count", "1", "there is no texel `gras`: did you mean `grass`?"),
             ("moss", "preset", "stars", "there is no preset of moss `stars`: did you mean `star`?"),
-            ("moss", "shots", "1", "there is no field of moss `shots`: did you mean `shoots`?"),
+            ("moss", "lenth", "1", "there is no field of moss `lenth`: did you mean `length`?"),
             ("pile", "twist", "much", "twist: `much` is no number, and no numbers with commas between"),
             ("pile", "twist", "33", "pile.twist is 33, which is not in -32 to 32"),
             ("pile", "resolution", "100", "pile.resolution must be a power of two from 2 to 512"),

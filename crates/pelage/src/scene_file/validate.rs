@@ -19,7 +19,11 @@ impl SceneFile {
     /// The first field that is not.
     pub fn validate(&self) -> Result<(), FieldError> {
         let table = |name: String| Table { file: &self.path, name };
-        table("geometry".into()).check("", !self.geometry.is_empty(), "at least one mesh file or surface is needed")?;
+        table("geometry".into()).check(
+            "",
+            !self.geometry.is_empty(),
+            "at least one mesh file or surface is needed",
+        )?;
         for (i, entry) in self.geometry.iter().enumerate() {
             geometry(&table(format!("geometry[{i}]")), entry)?;
         }

@@ -50,7 +50,7 @@ struct Scratch {
     heights: Vec<f32>,
     grid: Grid,
     lengths: Vec<f32>,
-    ray: Vec<(f32, Vec3)>,
+    ray: Vec<(f32, f32)>,
     sights: Vec<Sight>,
 }
 
@@ -146,6 +146,7 @@ fn look(
         return None;
     }
     let (mut passed, mut seen, mut color) = (0.0, 0.0, Vec3::ZERO);
+    let point = |i: usize, at: f32| cell.lo + cell.edge * grid.point(i / grid.columns, i % grid.columns, at);
     for (i, (&enter, &leave)) in grid.enter.iter().zip(&grid.leave).enumerate() {
         let length = leave - enter;
         if length <= 0.0 {
@@ -157,25 +158,28 @@ fn look(
         let mut through = 1.0;
         for sample in 0..samples as u32 {
             let at = enter + step * (sample as f32 + 0.5);
-            let p = cell.lo + cell.edge * grid.point(i / grid.columns, i % grid.columns, at);
-            let depth = table.extinction(p) * step * cell.edge;
+            let depth = table.extinction(point(i, at)) * step * cell.edge;
             if depth > 0.0 {
-                let stopped = -(-depth).exp_m1();
-                let c = table.color(p);
-                ray.push((stopped, c));
-                color += through * stopped * c;
-                seen += through * stopped;
-                through *= 1.0 - stopped;
+                ray.push((at, (-depth).exp()));
+                through *= (-depth).exp();
             }
         }
         passed += through;
-        // The same from the other end.
-        let mut through = 1.0;
-        for &(stopped, c) in ray.iter().rev() {
-            color += through * stopped * c;
-            seen += through * stopped;
-            through *= 1.0 - stopped;
-        }
+        // What is seen from an end has the colour of where it lies on average.
+        let mut look = |ray: &mut dyn Iterator<Item = &(f32, f32)>| {
+            let (mut through, mut place) = (1.0, 0.0);
+            for &(at, passing) in ray {
+                place += through * (1.0 - passing) * at;
+                through *= passing;
+            }
+            let stopped = 1.0 - through;
+            if stopped > 0.0 {
+                color += stopped * table.color(point(i, place / stopped));
+                seen += stopped;
+            }
+        };
+        look(&mut ray.iter());
+        look(&mut ray.iter().rev());
     }
     let sigma = extinction(lengths, count, mean, (passed / count).max(1e-5));
     let footprint = 0.5 * grid.footprint();

@@ -147,7 +147,7 @@ mod tests {
         };
         let random = &mut Random::new(2, 0);
         let mut found = [0.0_f64; 2];
-        for which in 0..2 {
+        for (which, found) in found.iter_mut().enumerate() {
             let mut best = (DVec3::splat(0.5), DVec3::X);
             for i in 0..60_000 {
                 // First anywhere, then ever nearer to the best so far.
@@ -155,8 +155,8 @@ mod tests {
                 let p = best.0.lerp(somewhere(random), near);
                 let e = best.1.lerp(2.0 * somewhere(random) - 1.0, near).normalize_or(DVec3::X);
                 let value = largest(p, e)[which];
-                if value > found[which] {
-                    (found[which], best) = (value, (p, e));
+                if value > *found {
+                    (*found, best) = (value, (p, e));
                 }
             }
         }

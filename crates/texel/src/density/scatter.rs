@@ -20,26 +20,30 @@ struct Sampling {
 }
 
 impl Sampling {
-    fn of(level: u32) -> Self {
-        let [side, tried, kept] = match level {
-            0 => [32, 2048, 768],
-            1 => [24, 640, 256],
-            2 => [16, 192, 64],
-            3 => [8, 72, 24],
-            4 => [6, 20, 8],
-            5 => [5, 10, 4],
-            6 => [4, 4, 4],
-            7 => [3, 2, 2],
-            _ => [2, 1, 1],
+    /// Of a level, where level 0 is given 32 times `points`, and each level a quarter of the one before, down to a few.
+    fn of(level: u32, points: u32) -> Self {
+        let [side, least] = match level {
+            0 => [32, 64],
+            1 => [24, 64],
+            2 => [16, 48],
+            3 => [8, 24],
+            4 => [6, 8],
+            5 => [5, 4],
+            6 => [4, 4],
+            7 => [3, 2],
+            _ => [2, 1],
         };
+        let kept = ((32 * points as usize) >> (2 * level).min(31)).max(least);
+        let tried = if level <= Scatterers::MAPPED { kept + kept / 2 } else { kept };
         Self { side, tried, kept }
     }
 }
 
 /// The scatterers of a level's voxels.
-pub(crate) fn level(table: &Table, codes: &[u32], level: u32) -> Cloud {
-    let sampling = Sampling::of(level);
-    let around: Vec<Vec3> = directions(Scatterers::side(level)).map(|d| d * Scatterers::reach(level)).collect();
+pub(crate) fn level(table: &Table, codes: &[u32], level: u32, points: u32) -> Cloud {
+    let sampling = Sampling::of(level, points);
+    let around: Vec<Vec3> =
+        directions(Scatterers::side(level)).map(|d| d * Scatterers::reach(level)).collect();
     let each = codes.par_iter().map(|&code| {
         let random = &mut Random::new(u64::from(level) << 32 | u64::from(code), 0x5ca7);
         let points = tried(table, bounds(code, level), sampling, random);

@@ -144,7 +144,7 @@ impl Header {
         let (stored, zero) = (fixed.u32(24), fixed.u32(28));
         // Metadata, a level each, and a source: nothing needs more than a few dozen parts.
         const MOST: usize = FIXED + ENTRY * 64;
-        if claimed < FIXED || claimed > MOST || (claimed - FIXED) % ENTRY != 0 {
+        if !(FIXED..=MOST).contains(&claimed) || !(claimed - FIXED).is_multiple_of(ENTRY) {
             return Err(FileError::Damaged { part: None });
         }
         bytes.extend(read_up_to(input, claimed - FIXED)?);

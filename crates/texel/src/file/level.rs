@@ -52,7 +52,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
         Content::Compact(c) => (1, c.surfels.len(), [c.directions.points().len(), c.colors.points().len()]),
     };
     let [directions, colors] = palettes;
-    let form = compact | usize::from(level.cloud().is_there()) << 1 | usize::from(level.all_lobes().is_there()) << 2;
+    let form =
+        compact | usize::from(level.cloud().is_there()) << 1 | usize::from(level.all_lobes().is_there()) << 2;
     let (scatterers, maps, side) = level.cloud().tables();
     let counts = [form, bricks.len(), level.len(), surfels, level.openness().len(), directions, colors];
     let mut out = Vec::new();
@@ -65,9 +66,9 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     match level.content() {
         Content::Exact(voxels, surfels) => {
             let counts = (0..voxels.len() as u32).map(|voxel| surfels.of(voxel).len() as u16);
-            write(&mut out, voxels.iter().map(Packed::to_bytes));
+            write(&mut out, voxels.iter().map(|voxel| voxel.to_bytes()));
             write(&mut out, counts.map(u16::to_le_bytes));
-            write(&mut out, surfels.all().iter().map(Surfel::to_bytes));
+            write(&mut out, surfels.all().iter().map(|surfel| surfel.to_bytes()));
         }
         Content::Compact(compact) => {
             write(&mut out, compact.directions.points().iter().map(point::<2, 4>));
@@ -118,7 +119,8 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     };
     let mut level = Level::of_parts(bricks, content, openness, periodic);
     if form & 4 != 0 {
-        let counts = Lobes::count(voxels).and_then(|count| planes.read(count)).ok_or(SHORT)?.map(|[count]| count);
+        let counts =
+            Lobes::count(voxels).and_then(|count| planes.read(count)).ok_or(SHORT)?.map(|[count]| count);
         let all = planes.read(lobes).ok_or(SHORT)?.map(Lobe::from_bytes).collect();
         level.set_lobes(Lobes::from_tables(counts, all).ok_or("miscounts its lobes")?);
     }

@@ -44,7 +44,9 @@ pub(super) fn encode(texel: &Texel, metadata: &Metadata) -> serde_json::Result<V
 /// What `bytes` tell, or what is wrong with them.
 pub(super) fn decode(bytes: &[u8]) -> Result<(Properties, Metadata), &'static str> {
     let object: serde_json::Result<Object<Metadata>> = serde_json::from_slice(bytes);
-    object.map(|object| (object.texel, object.about)).map_err(|_| "are not the JSON object that they should be")
+    object
+        .map(|object| (object.texel, object.about))
+        .map_err(|_| "are not the JSON object that they should be")
 }
 
 /// The bytes of a kind.

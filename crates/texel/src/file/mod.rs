@@ -13,8 +13,8 @@
 mod error;
 mod header;
 mod level;
-mod meta;
 mod mesh;
+mod meta;
 mod planes;
 
 use std::io::{Read, Write};
@@ -100,7 +100,9 @@ impl Texel {
             add(PartKind::Level(l), level::encode(level))?;
         }
         match self.source() {
-            Source::Grown(kind) => add(PartKind::Kind, meta::encode_kind(kind).map_err(std::io::Error::from)?)?,
+            Source::Grown(kind) => {
+                add(PartKind::Kind, meta::encode_kind(kind).map_err(std::io::Error::from)?)?
+            }
             Source::Geometry(geometry) if options.with_triangles => {
                 add(PartKind::Triangles, mesh::encode(geometry))?;
             }
@@ -183,7 +185,6 @@ fn unpack(input: &mut impl Read, part: &Part) -> Result<Vec<u8>, FileError> {
     }
     Ok(content)
 }
-
 
 #[cfg(test)]
 mod tests;

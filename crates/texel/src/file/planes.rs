@@ -17,7 +17,10 @@ pub(super) struct Planes<'a>(pub &'a [u8]);
 
 impl<'a> Planes<'a> {
     /// The next `count` records, if there are so many.
-    pub fn read<const N: usize>(&mut self, count: usize) -> Option<impl ExactSizeIterator<Item = [u8; N]> + 'a> {
+    pub fn read<const N: usize>(
+        &mut self,
+        count: usize,
+    ) -> Option<impl ExactSizeIterator<Item = [u8; N]> + 'a> {
         let (planes, rest) = self.0.split_at_checked(count.checked_mul(N)?)?;
         self.0 = rest;
         Some((0..count).map(move |i| std::array::from_fn(|plane| planes[plane * count + i])))

@@ -82,7 +82,8 @@ fn every_form_returns() {
     // Triangles stay behind unless they are asked for.
     let short = read(&written(&measured, &FileOptions::default())).unwrap().texel;
     assert_eq!(short, measured.clone().without_source());
-    let density = build("density", Hypertexture::default(), &BuildOptions { depth: 4, ..options.clone() }, &|_| ());
+    let density =
+        build("density", Hypertexture::default(), &BuildOptions { depth: 4, ..options.clone() }, &|_| ());
     let density = density.unwrap();
     assert_eq!(read(&written(&density, &FileOptions::default())).unwrap().texel, density);
     let nothing = build("", crate::Geometry::default(), &options, &|_| ()).unwrap().without_source();
@@ -166,7 +167,11 @@ fn parts_out_of_order_are_refused() {
     swapped.swap(1, 2);
     let twice = [&parts[..], &parts[4..]].concat();
     for bad in [&parts[1..], &parts[..1], &swapped, &twice, &[]] {
-        assert!(matches!(read(&forged(bad)), Err(FileError::Header { .. } | FileError::Texel(_))), "{}", bad.len());
+        assert!(
+            matches!(read(&forged(bad)), Err(FileError::Header { .. } | FileError::Texel(_))),
+            "{}",
+            bad.len()
+        );
     }
 }
 

@@ -5,10 +5,17 @@ use glam::Vec2;
 use super::scatter::scattered;
 use crate::random::Random;
 
-/// The middles of clumps, sorted into a grid over the periodic tile to find the nearest.
+/// A clump: which one it is, and its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clump {
+    pub(super) number: u32,
+    pub(super) middle: Vec2,
+}
+
+/// Clumps, sorted into a grid over the periodic tile to find the nearest.
 pub(super) struct Clumps {
     side: usize,
-    cells: Vec<Vec<Vec2>>,
+    cells: Vec<Vec<Clump>>,
 }
 
 impl Clumps {
@@ -21,25 +28,25 @@ impl Clumps {
             // Few as they are, their lattice would show.
             let p = scattered(i, count, 0.7, &mut Random::new(seed, i.into()));
             let [x, y] = [p.x, p.y].map(|c| ((c * side as f32) as usize).min(side - 1));
-            cells[x + side * y].push(p);
+            cells[x + side * y].push(Clump { number: i, middle: p });
         }
         Self { side, cells }
     }
 
-    /// The nearest middle to `p` in [0, 1)², in whichever copy of the tile it lies; `p` itself if none is near.
-    pub(super) fn nearest(&self, p: Vec2) -> Vec2 {
+    /// The clump whose middle is nearest to `p` in [0, 1)², in whichever copy of the tile it lies.
+    pub(super) fn nearest(&self, p: Vec2) -> Clump {
         let side = self.side as i32;
         let at = (p * side as f32).floor().as_ivec2();
-        let mut best = (f32::INFINITY, p);
+        let mut best = (f32::INFINITY, Clump { number: 0, middle: p });
         for dy in -1..=1 {
             for dx in -1..=1 {
                 let [x, y] = [at.x + dx, at.y + dy];
                 let tile = Vec2::new(x.div_euclid(side) as f32, y.div_euclid(side) as f32);
                 let cell = x.rem_euclid(side) + side * y.rem_euclid(side);
-                for &middle in &self.cells[cell as usize] {
+                for &Clump { number, middle } in &self.cells[cell as usize] {
                     let distance = p.distance_squared(middle + tile);
                     if distance < best.0 {
-                        best = (distance, middle + tile);
+                        best = (distance, Clump { number, middle: middle + tile });
                     }
                 }
             }
@@ -57,14 +64,14 @@ mod tests {
     fn the_nearest_is_found_across_the_edge() {
         for count in [1, 2, 7, 90] {
             let clumps = Clumps::new(count, 5);
-            let middles: Vec<Vec2> = clumps.cells.iter().flatten().copied().collect();
+            let middles: Vec<Vec2> = clumps.cells.iter().flatten().map(|clump| clump.middle).collect();
             assert_eq!(middles.len(), count as usize);
             for k in 0..1000 {
                 let p = scattered(k, 1000, 0.4, &mut Random::new(9, k.into()));
                 let tiles = (0..9).map(|t| Vec2::new((t % 3) as f32, (t / 3) as f32) - 1.0);
                 let all = tiles.flat_map(|tile| middles.iter().map(move |&middle| middle + tile));
                 let nearest = all.map(|middle| middle.distance(p)).fold(f32::INFINITY, f32::min);
-                assert!((clumps.nearest(p).distance(p) - nearest).abs() < 1e-6, "{count}: {p}");
+                assert!((clumps.nearest(p).middle.distance(p) - nearest).abs() < 1e-6, "{count}: {p}");
             }
         }
     }

@@ -135,16 +135,16 @@ impl Fur {
     /// Tight crimped locks, like a lamb's.
     pub fn fleece() -> Self {
         Self {
-            count: 1300,
+            count: 1500,
             length: 1.0,
-            length_variation: 0.2,
-            root_radius: 0.008,
+            length_variation: 0.15,
+            root_radius: 0.007,
             tip_radius: 0.005,
-            curl: 1.6,
-            curl_turns: 2.5,
-            frizz: 0.15,
-            clump: 0.75,
-            clump_size: 30,
+            curl: 1.1,
+            curl_turns: 3.0,
+            frizz: 0.12,
+            clump: 0.95,
+            clump_size: 36,
             undercoat: 0.25,
             undercoat_length: 0.6,
             undercoat_color: Vec3::new(0.8, 0.78, 0.74),
@@ -181,9 +181,13 @@ impl Fur {
         let [size, bend] = if under { [self.undercoat_length, 1.8] } else { [1.0, 1.0] };
         let length = size * self.length * (1.0 + self.length_variation * random.signed());
         let length = length.clamp(0.0, 0.98);
-        let to_lock = locks.nearest(root) - root;
+        let lock = locks.nearest(root);
+        let to_lock = lock.middle - root;
         let own = Vec2::from_angle(TAU * random.unit()) * self.curl * bend * random.unit().sqrt();
-        let [phase, turns] = [TAU * random.unit(), self.curl_turns * (0.6 + 0.8 * random.unit())];
+        // Strands of a tight lock wind together.
+        let with_lock = Random::new(self.seed ^ 0xc0de, lock.number.into()).unit();
+        let phase = TAU * (with_lock + (1.0 - self.clump) * random.unit());
+        let turns = self.curl_turns * (1.0 + 0.4 * (1.0 - 0.7 * self.clump) * random.signed());
         let wave = 0.7 * self.curl * bend;
         let shade = 1.0 + self.color_variation * random.signed();
         let thickness = 1.0 + self.radius_variation * random.signed();

@@ -132,7 +132,7 @@ impl Grass {
     fn blade(&self, i: u32, tufts: &Clumps, geometry: &mut Geometry) {
         let random = &mut Random::new(self.seed, i.into());
         let root = scattered(i, self.count, LOOSELY, random);
-        let root = root.lerp(tufts.nearest(root), self.clump).extend(0.0);
+        let root = root.lerp(tufts.nearest(root).middle, self.clump).extend(0.0);
         let length = self.length * (1.0 + self.length_variation * random.signed());
         let ahead = Vec2::from_angle(TAU * random.unit());
         let bend = 2.0 * self.bend.to_radians() * random.unit();

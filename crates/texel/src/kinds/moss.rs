@@ -124,7 +124,7 @@ impl Moss {
         let mut shoot = Geometry::default();
         let random = &mut Random::new(self.seed, i.into());
         let root = scattered(i, self.shoots, LOOSELY, random);
-        let outwards = root - cushions.nearest(root);
+        let outwards = root - cushions.nearest(root).middle;
         // Half the distance between neighbours of an even lattice.
         let reach = 0.5 / (self.cushions as f32).sqrt();
         let rim = (outwards.length() / reach).min(1.0);

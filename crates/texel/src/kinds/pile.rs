@@ -116,12 +116,12 @@ impl Pile {
     /// Long heavy yarn that lies over.
     pub fn shag() -> Self {
         Self {
-            tufts: 6,
+            tufts: 7,
             height: 0.9,
             height_variation: 0.15,
             jitter: 0.6,
-            bend: 0.9,
-            thickness: 0.7,
+            bend: 0.6,
+            thickness: 0.85,
             bloom: 0.5,
             twist: 3.0,
             fibers: 22,

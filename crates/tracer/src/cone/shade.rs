@@ -58,8 +58,9 @@ impl Shader {
         let whole: f32 = self.visible.iter().map(|v| v.weight).sum();
         // Of the sky, the masks say what is near, the openness there what is above beyond that, and a cone what is
         // below: as a rule, the surface that the coat stands on.
-        let lit_from_below =
-            settings.shadows && scene.environment != Environment::BLACK && self.visible[0].point.is_some();
+        let lit_from_below = settings.shadows
+            && scene.environment != Environment::BLACK
+            && self.visible.first().is_some_and(|v| v.point.is_some());
         let below = if lit_from_below {
             // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
             let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
@@ -85,10 +86,7 @@ impl Shader {
                     })
                     .sum()
             }
-            _ => {
-                scene.environment.mean_radiance(v.normal)
-                    * if settings.shadows { openness } else { 1.0 }
-            }
+            _ => scene.environment.mean_radiance(v.normal) * if settings.shadows { openness } else { 1.0 },
         };
         let mut radiance = Vec3::ZERO;
         if scene.environment != Environment::BLACK {
@@ -121,10 +119,12 @@ impl Shader {
             if settings.shadows {
                 // What is near is in the masks, or in the maps.
                 let edge = 1.0 / scale;
-                let (near, apart) = match scatterers.is_empty() {
-                    true => (Surfel::reach(edge), SURFACES_APART),
-                    false if holds_shadows => (Scatterers::reach(seen.key.level.into()), 0.0),
-                    false => (0.0, DENSITIES_APART * edge),
+                let (near, apart) = if scatterers.is_empty() {
+                    (Surfel::reach(edge), SURFACES_APART)
+                } else if holds_shadows {
+                    (Scatterers::reach(seen.key.level.into()), 0.0)
+                } else {
+                    (0.0, DENSITIES_APART * edge)
                 };
                 let start = near / (inverse * to_light).length();
                 arriving = self.shadows.transmittance(

@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 use pelage_geom::{Material, Ray, material::exponent_of_roughness};
 
 use super::Lighting;
-use super::sample::{Points, Use, cosine_around, flight, towards_disk};
 use super::content::Filling;
 use super::medium;
+use super::sample::{Points, Use, cosine_around, flight, towards_disk};
 use super::stream::{Hit, Met, Query, Stream};
 use super::world::World;
 use crate::Camera;

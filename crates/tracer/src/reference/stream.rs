@@ -376,8 +376,9 @@ impl InBox<'_> {
     fn note(&mut self, i: usize, hit: Hit) {
         let Inside { start, query, .. } = &self.inside[i];
         let query = &mut self.queries[*query as usize];
-        let first =
-            query.hit.is_none_or(|known| hit.t < known.t || (hit.t == known.t && hit.order() < known.order()));
+        let first = query
+            .hit
+            .is_none_or(|known| hit.t < known.t || (hit.t == known.t && hit.order() < known.order()));
         if first && hit.t <= query.end {
             query.end = hit.t;
             query.hit = Some(hit);

@@ -41,11 +41,11 @@ impl Importer<'_> {
     }
 }
 
-/// The components of an accessor, with how their names end; `None` for matrices.
-fn components(
-    document: &Document,
-    index: Index<Accessor>,
-) -> Result<Option<Vec<(&'static str, Vec<f32>)>>, ImportError> {
+/// A list of numbers, and how its name ends.
+type Component = (&'static str, Vec<f32>);
+
+/// The components of an accessor; `None` for matrices.
+fn components(document: &Document, index: Index<Accessor>) -> Result<Option<Vec<Component>>, ImportError> {
     let accessor = document.get(&document.root.accessors, index, "accessor", "accessor")?;
     let Checked::Valid(shape) = accessor.type_ else { return Ok(None) };
     Ok(match shape {
@@ -57,7 +57,53 @@ fn components(
     })
 }
 
-fn apart<const N: usize>(names: [&'static str; N], elements: &[[f32; N]]) -> Vec<(&'static str, Vec<f32>)> {
+fn apart<const N: usize>(names: [&'static str; N], elements: &[[f32; N]]) -> Vec<Component> {
     let list = |i: usize| elements.iter().map(|element| element[i]).collect();
     names.into_iter().enumerate().map(|(i, name)| (name, list(i))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::import::{ImportOptions, import};
+
+    /// A triangle with `_LENGTH` (one number), `COLOR_0` (three bytes of 255) and `_ODD`, which has too few elements.
+    #[test]
+    fn numbers_and_colours_of_vertices_are_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut binary: Vec<u8> = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.25, 0.5, 2.0]
+            .iter()
+            .flat_map(|x| x.to_le_bytes())
+            .collect();
+        binary.extend([255, 0, 51, 0, 0, 255, 0, 0, 0, 0, 102, 0]);
+        std::fs::write(folder.path().join("a.bin"), &binary).expect("a file");
+        let text = r#"{
+            "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0, "_LENGTH": 1, "COLOR_0": 2, "_ODD": 3 } }] }],
+            "buffers": [{ "uri": "a.bin", "byteLength": 60 }],
+            "bufferViews": [
+                { "buffer": 0, "byteLength": 36 }, { "buffer": 0, "byteOffset": 36, "byteLength": 12 },
+                { "buffer": 0, "byteOffset": 48, "byteLength": 12, "byteStride": 4 }
+            ],
+            "accessors": [
+                { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] },
+                { "bufferView": 1, "componentType": 5126, "count": 3, "type": "SCALAR" },
+                { "bufferView": 2, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC3" },
+                { "bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR" }
+            ]
+        }"#;
+        let path = folder.path().join("a.gltf");
+        std::fs::write(&path, text).expect("a file");
+        let imported = import(&path, &ImportOptions::default()).expect("a mesh");
+        let attributes = &imported.meshes[0].attributes;
+        let values = |name: &str| attributes.iter().find(|a| a.name == name).map(|a| a.values.clone());
+        assert_eq!(values("_LENGTH"), Some(vec![0.25, 0.5, 2.0]));
+        assert_eq!(values("COLOR_0.r"), Some(vec![1.0, 0.0, 0.0]));
+        assert_eq!(values("COLOR_0.b"), Some(vec![0.2, 0.0, 0.4]));
+        assert_eq!(attributes.len(), 4);
+        let warned: Vec<String> = imported.warnings.iter().map(ToString::to_string).collect();
+        assert!(
+            warned.len() == 1 && warned[0].ends_with("attribute `_ODD` cannot be used and is left out"),
+            "{warned:?}"
+        );
+    }
 }
