@@ -166,7 +166,7 @@ fn scene_files_that_make_no_sense() {
         folder.fails("render s.toml -o a.png -q", 2, message);
     }
     folder.write("s.toml", "");
-    folder.fails("render s.toml -o a.png", 2, "geometry: at least one mesh file is needed");
+    folder.fails("render s.toml -o a.png", 2, "geometry: at least one mesh file or surface is needed");
     folder.write("s.toml", "geometry = [{ file = \"../a.obj\" }]");
     folder.fails(
         "render s.toml -o a.png",

@@ -14,7 +14,7 @@ pub struct Outline {
     /// By point the least det J of the boxes that have it for a corner, in cubic metres per box; 0 without a box.
     pub determinants: Vec<f32>,
     /// By point the least scaled Jacobian of those boxes: det J over the lengths of its columns, 1 for a right-angled
-    /// corner and not positive for a folded one. [Knupp00]
+    /// corner and not positive for a folded one. \[Knupp00\]
     pub qualities: Vec<f32>,
     /// Pairs of points, each once; the lower index first.
     pub edges: Vec<[u32; 2]>,

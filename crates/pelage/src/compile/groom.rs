@@ -171,7 +171,7 @@ mod tests {
                 "{ sphere = { centre = [0, 0, 0], radius = -1 } }",
                 "skin[0].groom[0].where.sphere.radius: must not be",
             ),
-            ("{ ball = 1 }", "scene.toml:5: unknown field `ball`, expected one of"),
+            ("{ ball = 1 }", "scene.toml:6: unknown field `ball`, expected one of"),
         ] {
             let scene = loaded(&format!("[[skin.groom]]\nscale = 2\nwhere = {mask}\n"));
             let error = scene.and_then(|scene| scene.extrude()).expect_err(mask).to_string();

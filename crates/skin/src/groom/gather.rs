@@ -42,7 +42,7 @@ pub(super) fn clump(
         .collect()
 }
 
-/// The cell of the unit grid whose random point is nearest. [Worley96]
+/// The cell of the unit grid whose random point is nearest. \[Worley96\]
 fn nearest_seed(at: Vec3, seed: u32) -> IVec3 {
     // Beyond, cells could not be told apart.
     let home = at.clamp(Vec3::splat(-1e9), Vec3::splat(1e9)).floor().as_ivec3();
@@ -57,7 +57,7 @@ fn nearest_seed(at: Vec3, seed: u32) -> IVec3 {
     nearest.1
 }
 
-/// A point of the unit cube that depends on nothing but the cell and the seed: pcg3d. [JarzynskiOlano20]
+/// A point of the unit cube that depends on nothing but the cell and the seed: pcg3d. \[JarzynskiOlano20\]
 fn random(cell: IVec3, seed: u32) -> Vec3 {
     let [mut x, mut y, mut z] =
         cell.to_array().map(|c| (c as u32 ^ seed).wrapping_mul(1_664_525).wrapping_add(1_013_904_223));

@@ -108,7 +108,7 @@ pub struct Swirl {
     pub pitch: f32,
 }
 
-/// Disorder, by gradient noise over the surface. [Perlin85]
+/// Disorder, by gradient noise over the surface. \[Perlin85\]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Noise {
@@ -160,7 +160,7 @@ pub struct Plane {
     pub normal: Vec3,
 }
 
-/// Locks: what stands in one cell of a random partition of the surface [Worley96] leans together.
+/// Locks: what stands in one cell of a random partition of the surface \[Worley96\] leans together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Clump {

@@ -1,5 +1,5 @@
-//! Catmull–Clark subdivision of a mesh, with creases and boundaries by the usual rules. [CatmullClark78]
-//! [DeRoseKassTruong98]
+//! Catmull–Clark subdivision of a mesh, with creases and boundaries by the usual rules. \[CatmullClark78\]
+//! \[DeRoseKassTruong98\]
 //!
 //! An edge is sharp where it is on the border, where it has more than two faces, or where its faces meet at more than
 //! an angle. A vertex with two sharp edges moves along them as a cubic B-spline does; one with more, or at a corner
@@ -316,7 +316,7 @@ impl Around {
         (self.centres / f64::from(self.faces) + 2.0 * middles + (n - 3.0) * p) / n
     }
 
-    /// The limit of a vertex all of whose faces are quads. [HalsteadKassDeRose93]
+    /// The limit of a vertex all of whose faces are quads. \[HalsteadKassDeRose93\]
     fn limit(&self, p: DVec3) -> DVec3 {
         if self.is_corner() {
             return p;

@@ -38,7 +38,7 @@ pub enum Parametric {
         /// How many are in a row: 4 or more, and 4 rows or more.
         columns: usize,
     },
-    /// Heights over a rectangle as [`Parametric::Plane`] has it, smoothly between samples. [CatmullRom74]
+    /// Heights over a rectangle as [`Parametric::Plane`] has it, smoothly between samples. \[CatmullRom74\]
     Heightfield {
         /// The rectangle's sides.
         size: [f32; 2],

@@ -6,7 +6,7 @@
 //! parts      META: a JSON object    LEVL: one a level, coarsest first    KIND or MESH: the source
 //! ```
 //!
-//! Everything is little endian, and every part a Zstandard frame [RFC8878]. A file is believed in nothing: its checksums
+//! Everything is little endian, and every part a Zstandard frame (RFC 8878). A file is believed in nothing: its checksums
 //! are compared and its sizes held against [`Limits`] before anything of that size is allocated, and the texel is
 //! [validated](Texel::validate) before it is handed out.
 
