@@ -237,7 +237,7 @@ fn mtl_lines_are_completed_or_named() {
         ("Kd 0.5 0.25 -1 7", vec3(0.5, 0.25, 0.0)),
         ("Pm 0.5\nKd 1 1 1", vec3(0.5, 0.5, 0.5)),
         // What is not used cannot be wrong.
-        ("Ka 1\nNi\nd x\nillum 999\nmap_Kd\nmap_bump\nnewmtl\nKd 0", vec3(0.8, 0.8, 0.8)),
+        ("Ka 1\nNi\nillum 999\nmap_Kd\nmap_bump\nnewmtl\nKd 0", vec3(0.8, 0.8, 0.8)),
     ] {
         assert_eq!(colour(line).expect(line), expected, "{line}");
     }
@@ -245,6 +245,7 @@ fn mtl_lines_are_completed_or_named() {
         ("Kd", "`` is not a usable number"),
         ("Kd 1 x 1", "`x` is not a usable number"),
         ("Ke 1 1 inf", "`inf` is not a usable number"),
+        ("d x", "`x` is not a usable number"),
         ("Ns nan", "`nan` is not a usable number"),
         ("Pr 1e39", "`1e39` is not a usable number"),
     ] {

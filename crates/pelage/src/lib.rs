@@ -7,7 +7,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let mesh = surface::cube_sphere(1.0, 4);
 //! let skin = extrude(&mesh, &|_face| true, &SkinOptions::new(0.2))?;
-//! let fur = Fur { count: 300, ..Fur::short() };
+//! let fur = Fur { count: 2000, ..Fur::short() };
 //! let texel = build("fur", fur, &BuildOptions { depth: 4, ..BuildOptions::preview() }, &|_| {})?;
 //! let coats = vec![Coat { skin, texel: texel.into(), tint: Vec3::new(1.0, 0.6, 0.3), wears_material: false }];
 //! let (lights, environment) = (vec![staging::sun()], staging::sky());

@@ -221,7 +221,12 @@ impl Surfels {
             count += surfels.len() as u32;
             first.push(count);
         }
-        Self { first, all: each.concat() }
+        Self::of_parts(first, each.concat())
+    }
+
+    /// Where no voxel has any, it takes no room.
+    fn of_parts(first: Vec<u32>, all: Vec<Surfel>) -> Self {
+        if all.is_empty() { Self::default() } else { Self { first, all } }
     }
 
     /// From the number that each voxel has, and all of them; `None` if these are not as many together.
@@ -233,7 +238,7 @@ impl Surfels {
             sum = sum.checked_add(count.into())?;
             first.push(sum);
         }
-        (sum as usize == all.len()).then_some(Self { first, all })
+        (sum as usize == all.len()).then(|| Self::of_parts(first, all))
     }
 
     /// All of them, in the order of their voxels.

@@ -5,6 +5,7 @@
 //! one), so nothing is listed twice. Only non-empty cells take memory. A coarser level's lists are the unions of
 //! its children's, which makes a cell occupied exactly where one of its children is.
 
+use std::collections::HashSet;
 use std::ops::Range;
 
 use glam::{IVec3, Vec3};
@@ -25,13 +26,19 @@ pub(crate) struct Facet {
     pub(crate) color: Vec3,
 }
 
-/// The facets that reach into the tile `[0, 1]³`; of periodic geometry, every copy that does.
+/// The facets that reach into the tile `[0, 1]³`, each once; of periodic geometry, every copy that does.
 pub(crate) fn tile(triangles: &[[Vec3; 3]], colors: &[Vec3], periodic: bool) -> Vec<Facet> {
     let mut facets = Vec::with_capacity(triangles.len());
+    let mut known = HashSet::with_capacity(triangles.len());
     for (&corners, &color) in triangles.iter().zip(colors) {
         let [a, b, c] = corners;
         let [low, high] = [a.min(b).min(c), a.max(b).max(c)];
         if low.z > 1.0 || high.z < 0.0 || (b - a).cross(c - a) == Vec3::ZERO {
+            continue;
+        }
+        // What is there twice hides no more than once.
+        let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+        if !known.insert((corners.map(bits), bits(color))) {
             continue;
         }
         if !periodic {

@@ -129,7 +129,7 @@ impl Density {
     }
 
     /// The most extinction that there may be within `radius` of a point, per texel edge: the shape's height never changes
-    /// faster than the distance, and noise is bounded and of bounded slope. [Hart96]
+    /// faster than the distance, and noise is bounded and of bounded slope. \[Hart96\]
     pub fn most(&self, p: DVec3, radius: f64) -> f64 {
         let fold = f64::from(self.parameters.turbulence);
         let noise: f64 = self
