@@ -19,10 +19,10 @@ use glam::{Vec2, Vec3};
 use pelage_geom::Symmetric3;
 use rayon::prelude::*;
 
-use crate::Level;
 use crate::coverage::{SIXTEEN, Sight, fit};
 use crate::packed::Packed;
 use crate::random::Random;
+use crate::{Level, Voxel};
 
 /// A segment through the texel, and where the geometry first stops it.
 #[derive(Clone, Copy, Debug)]
@@ -124,13 +124,25 @@ pub(crate) fn calibrate(level: &mut Level, sightlines: &[Sightline]) {
         let by_slope: Vec<Vec<f32>> = (0..classes.slopes).into_par_iter().map(by_slope).collect();
         let factors: Vec<f32> =
             (0..classes.heights).flat_map(|height| by_slope.iter().map(move |s| s[height])).collect();
+        let repeats = level.is_periodic();
         level.voxels_mut().par_iter_mut().zip(&cells).for_each(|(packed, cell)| {
             let mut voxel = packed.unpack();
+            // Where the texel ends, sightlines pass beside a sheet and through its slab: that makes no holes in it.
+            if !repeats && is_solid(&voxel) {
+                return;
+            }
             let height = classes.height(cell[2] as i32);
             voxel.sigma = scaled(voxel.sigma, |d| classes.factor(&factors, height, d.z));
             *packed = Packed::new(&voxel);
         });
     }
+}
+
+/// Whether next to nothing gets through the slab of a voxel, however it crosses it.
+fn is_solid(voxel: &Voxel) -> bool {
+    /// The depth of a slab that lets a thousandth through.
+    const SOLID: f32 = 7.0;
+    voxel.depth_per_step(voxel.slab_normal) * (voxel.slab[1] - voxel.slab[0]) > SOLID
 }
 
 /// What a sightline meets in a level.

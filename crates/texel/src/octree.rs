@@ -71,6 +71,11 @@ impl Level {
         self.bricks.resolution()
     }
 
+    /// Whether it goes on beyond its borders in s and t.
+    pub(crate) fn is_periodic(&self) -> bool {
+        self.periodic
+    }
+
     /// How many voxels are occupied.
     pub fn len(&self) -> usize {
         self.bricks.len() as usize
