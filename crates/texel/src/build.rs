@@ -194,22 +194,22 @@ fn levels_of_triangles(
         lists.push(lists[above].parents());
     }
     lists.reverse();
-    let total = lists.iter().map(|cells| cells.codes().len()).sum::<usize>();
+    let total = lists.iter().map(|cells| cells.codes().len()).sum::<usize>() + exposure::work(&lists);
     let report = in_percent(total, progress);
     let levels = (0..).zip(&lists).map(|(level, cells)| {
         let voxels = measure_level(&facets, cells, level, options, &report);
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
     let mut levels: Vec<Level> = levels.collect();
-    let finest = levels.len() - 1;
-    let grid = finest.min(6);
-    let scene = Surroundings::new(&facets, &lists[grid], &levels[grid]);
+    // Cells an eighth of a voxel wide or more, but no more of them than pays.
+    let grid = options.depth.min(6);
+    let scene = Surroundings::new(&facets, &lists[grid as usize], 1 << grid, options.periodic);
     let first_hit = |_, from, to| scene.first_hit(from, to);
     let sightlines = Sightline::cast(SIGHTLINES, options.periodic, first_hit);
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
-    let shown = exposure::measure(&facets, &lists, &levels, options.points);
+    let shown = exposure::measure(&facets, &lists, &scene, options.points, &report);
     for (level, shown) in levels.iter_mut().zip(shown) {
         level.set_shown(shown);
     }

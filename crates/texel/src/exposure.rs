@@ -13,7 +13,7 @@ use std::ops::{Range, RangeInclusive};
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::Level;
+use crate::dark::{dark_sides, normal_of, point_of};
 use crate::lobe::{self, Lobes};
 use crate::random::Random;
 use crate::region::Parts;
@@ -47,25 +47,45 @@ pub(crate) enum Shown {
 }
 
 /// What the voxels of every level show. `points` are tried in each voxel of level 4 on each side.
-pub(crate) fn measure(facets: &[Facet], lists: &[Cells], levels: &[Level], points: u32) -> Vec<Shown> {
-    let finest = levels.len().saturating_sub(1);
+/// `report` is told of the [`work`] done.
+pub(crate) fn measure(
+    facets: &[Facet],
+    lists: &[Cells],
+    scene: &Surroundings,
+    points: u32,
+    report: &(dyn Fn(usize) + Sync),
+) -> Vec<Shown> {
+    let finest = lists.len().saturating_sub(1);
     let edge = |level: usize| 1.0 / (1 << level) as f32;
-    // Cells an eighth of a voxel wide or more, but no more of them than pays.
-    let grid = finest.min(6);
-    let scene = Surroundings::new(facets, &lists[grid], &levels[grid]);
-    let dark = dark_sides(facets, &scene, Surfel::reach(edge(finest)));
-    let content = Content { facets, scene: &scene, dark: &dark };
+    let dark = dark_sides(facets, scene, Surfel::reach(edge(finest)));
+    let content = Content { facets, scene, dark: &dark };
     let coarse = COARSE.min(finest);
     let sampling =
         Sampling { points: points as usize, stride: 1, alike: 2.0, edges: [edge(0), edge(coarse)] };
-    let mut all = choose(lists, 0..=coarse, &content.points(&lists[coarse], &sampling), &sampling);
+    let mut all = choose(
+        lists,
+        0..=coarse,
+        &content.points(&lists[coarse], &sampling, &|| report(COARSE_WORK)),
+        &sampling,
+    );
     if finest > coarse {
         let sampling =
             Sampling { points: 8, stride: 2, alike: 0.97, edges: [edge(coarse + 1), edge(finest)] };
-        let points = content.points(&lists[finest], &sampling);
+        let points = content.points(&lists[finest], &sampling, &|| report(1));
         all.extend(choose(lists, coarse + 1..=finest, &points, &sampling));
     }
     all
+}
+
+/// What a cell of level [`COARSE`] costs of one of the finest.
+const COARSE_WORK: usize = 16;
+
+/// How much there is to measure, about as long for each unit.
+pub(crate) fn work(lists: &[Cells]) -> usize {
+    let finest = lists.len().saturating_sub(1);
+    let cells = |level: usize| lists.get(level).map_or(0, |cells| cells.codes().len());
+    let fine = if finest > COARSE { cells(finest) } else { 0 };
+    COARSE_WORK * cells(COARSE.min(finest)) + fine
 }
 
 /// Lobes for one direction at most in a voxel of a level; `None` where it has surfels.
@@ -176,7 +196,7 @@ impl Sampling {
 /// What points are spread over.
 struct Content<'a> {
     facets: &'a [Facet],
-    scene: &'a Surroundings<'a>,
+    scene: &'a Surroundings,
     dark: &'a [[bool; 2]],
 }
 
@@ -202,7 +222,7 @@ struct Tried {
 
 impl Content<'_> {
     /// The points of each of `cells`.
-    fn points(&self, cells: &Cells, sampling: &Sampling) -> Vec<Vec<Point>> {
+    fn points(&self, cells: &Cells, sampling: &Sampling, done: &(dyn Fn() + Sync)) -> Vec<Vec<Point>> {
         let edge = sampling.edges[1];
         (0..cells.codes().len())
             .into_par_iter()
@@ -210,12 +230,14 @@ impl Content<'_> {
                 let random = &mut Random::new(u64::from(cells.codes()[i]), edge.to_bits().into());
                 let facets: Vec<usize> = cells.facets(i).collect();
                 self.try_points(&facets, cells.cell(i).as_vec3(), sampling, scratch, random);
-                if sampling.alike < 1.0 {
+                let points = if sampling.alike < 1.0 {
                     self.look_alike(&mut scratch.tried, sampling, random)
                 } else {
                     let one = |t: &Tried| self.look(t, sampling, random);
                     scratch.tried.iter().filter_map(one).collect()
-                }
+                };
+                done();
+                points
             })
             .collect()
     }
@@ -326,42 +348,6 @@ impl Content<'_> {
         }
         points
     }
-}
-
-/// Which sides of the facets, front and back, nothing is seen of within `reach` (texel units): the insides of tubes, as
-/// far as a few rays tell.
-fn dark_sides(facets: &[Facet], scene: &Surroundings, reach: f32) -> Vec<[bool; 2]> {
-    const POINTS: usize = 6;
-    const RAYS: usize = 4;
-    let is_dark = |facet: usize, side: usize, random: &mut Random| {
-        let Some(normal) = normal_of(facets[facet].corners, side) else { return true };
-        (0..POINTS).all(|_| {
-            let at = point_of(facets[facet].corners, random);
-            (0..RAYS).all(|_| {
-                let d = direction(normal, [random.signed(), random.signed()]);
-                scene.distance(facet, at, d, reach, reach).is_finite()
-            })
-        })
-    };
-    (0..facets.len())
-        .into_par_iter()
-        .map(|facet| {
-            let random = &mut Random::new(facet as u64, 0xda4c);
-            [0, 1].map(|side| is_dark(facet, side, random))
-        })
-        .collect()
-}
-
-/// A point of a triangle, all alike.
-fn point_of([a, b, c]: [Vec3; 3], random: &mut Random) -> Vec3 {
-    let root = random.unit().sqrt();
-    a + (1.0 - root) * (b - a) + root * random.unit() * (c - a)
-}
-
-/// The unit normal of a triangle's front (0) or back (1).
-fn normal_of([a, b, c]: [Vec3; 3], side: usize) -> Option<Vec3> {
-    let turn = if side == 0 { 1.0 } else { -1.0 };
-    (turn * (b - a).cross(c - a)).try_normalize()
 }
 
 /// Keeps at most `most`, those seen from more directions rather, each weighted for those it stands for.

@@ -17,6 +17,7 @@ mod build;
 mod calibrate;
 mod compact;
 mod coverage;
+mod dark;
 mod density;
 mod error;
 mod exposure;

@@ -167,6 +167,12 @@ impl Level {
         Walk::new(&self.bricks, self.periodic, from, to)
     }
 
+    /// As [`walk`](Self::walk), in one copy only: nothing is met beyond its borders, even in a periodic texel.
+    #[inline]
+    pub fn walk_alone(&self, from: Vec3, to: Vec3) -> Walk<'_> {
+        Walk::new(&self.bricks, false, from, to)
+    }
+
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let content = match &self.content {

@@ -153,26 +153,38 @@ impl Surfel {
 
 /// [`Surfel::sky`] of a surface of which the part `open` is open through each cell.
 pub(crate) fn sky(normal: Vec3, open: impl Fn(usize) -> f32) -> [(f32, Vec3); 2] {
-    const STEP: f32 = 2.0 / Surfel::SIDE as f32;
+    const SIDE: usize = Surfel::SIDE;
+    /// Cells inside the disk.
+    const WHOLE: f32 = 52.0;
     let [x, y] = axes(normal);
-    let mut halves = [(0.0, Vec3::ZERO); 2];
-    let mut whole = 0.0;
-    for cell in 0..Surfel::SIDE * Surfel::SIDE {
-        let [a, b] = [cell % Surfel::SIDE, cell / Surfel::SIDE].map(|i| STEP * (i as f32 + 0.5) - 1.0);
-        let rest = 1.0 - a * a - b * b;
-        if rest < 0.0 {
-            continue;
-        }
-        whole += 1.0;
-        let part = open(cell);
-        if part > 0.0 {
-            let d = a * x + b * y + rest.sqrt() * normal;
-            let (open, sum) = &mut halves[usize::from(d.z < 0.0)];
-            *open += part;
-            *sum += part * d;
+    // Column by column in lanes: the part open below and in all, and its moments along x, y and the normal.
+    let [mut below, mut all] = [[[0.0_f32; SIDE]; 4]; 2];
+    for row in 0..SIDE {
+        let b = middle(row);
+        for column in 0..SIDE {
+            let a = middle(column);
+            let rest = 1.0 - a * a - b * b;
+            let part = if rest < 0.0 { 0.0 } else { open(SIDE * row + column) };
+            let along = rest.max(0.0).sqrt();
+            let height = a * x.z + b * y.z + along * normal.z;
+            let under = if height < 0.0 { part } else { 0.0 };
+            for (sums, part) in [(&mut all, part), (&mut below, under)] {
+                sums[0][column] += part;
+                sums[1][column] += part * a;
+                sums[2][column] += part * b;
+                sums[3][column] += part * along;
+            }
         }
     }
-    halves.map(|(open, sum)| (open / whole, sum / whole))
+    let total = |sums: [[f32; SIDE]; 4]| sums.map(|lanes| lanes.iter().sum::<f32>() / WHOLE);
+    let [below, all] = [total(below), total(all)];
+    let half = |[open, a, b, along]: [f32; 4]| (open, a * x + b * y + along * normal);
+    [half(std::array::from_fn(|i| all[i] - below[i])), half(below)]
+}
+
+/// The middle of a row or column of the mask, from −1 to 1.
+const fn middle(i: usize) -> f32 {
+    (i as f32 + 0.5) * (2.0 / Surfel::SIDE as f32) - 1.0
 }
 
 /// Where a direction on the side of `normal` lies on the mask: the disk under the hemisphere in 8 × 8 squares, so that

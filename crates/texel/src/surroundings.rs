@@ -6,7 +6,8 @@
 use glam::{IVec3, Vec3};
 use wide::f32x4;
 
-use crate::Level;
+use crate::Walk;
+use crate::bricks::Bricks;
 use crate::voxelise::{Cells, Facet};
 
 const LANES: usize = 4;
@@ -62,17 +63,18 @@ fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
 }
 
 /// The geometry, to be asked by rays.
-pub(crate) struct Surroundings<'a> {
-    /// Its walk goes from cell to cell.
-    level: &'a Level,
+pub(crate) struct Surroundings {
+    /// The cells that hold something.
+    bricks: Bricks,
+    periodic: bool,
     blocks: Vec<Block>,
     /// Where each cell's blocks begin, and the end.
     starts: Vec<u32>,
 }
 
-impl<'a> Surroundings<'a> {
-    /// The facets listed in the cells of one level, and that level.
-    pub(crate) fn new(facets: &[Facet], cells: &Cells, level: &'a Level) -> Self {
+impl Surroundings {
+    /// The facets listed in the cells of a level of `resolution` cells a side.
+    pub(crate) fn new(facets: &[Facet], cells: &Cells, resolution: u32, periodic: bool) -> Self {
         let mut blocks = Vec::new();
         let mut starts = Vec::with_capacity(cells.codes().len() + 1);
         for cell in 0..cells.codes().len() {
@@ -83,7 +85,7 @@ impl<'a> Surroundings<'a> {
             }
         }
         starts.push(blocks.len() as u32);
-        Self { level, blocks, starts }
+        Self { bricks: Bricks::new(resolution, cells.codes()), periodic, blocks, starts }
     }
 
     /// Where a segment (texel units) first meets a facet, as a part of it; infinite if it meets none.
@@ -101,13 +103,13 @@ impl<'a> Surroundings<'a> {
 
     /// The first hit in `range`, or any that is below `enough`; never with `own` itself, though with its copies.
     fn meet(&self, own: Option<u32>, from: Vec3, d: Vec3, range: [f32; 2], enough: f32) -> f32 {
-        let size = self.level.resolution() as i32;
+        let size = self.bricks.resolution() as i32;
         let scale = size as f32;
         let log = size.trailing_zeros();
         let [near, far] = range;
         let along = d.to_array().map(f32x4::splat);
         let mut first = far;
-        for step in self.level.walk(from * scale, (from + far * d) * scale) {
+        for step in Walk::new(&self.bricks, self.periodic, from * scale, (from + far * d) * scale) {
             if first <= step.enter * far || first < enough {
                 break;
             }

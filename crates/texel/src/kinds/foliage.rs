@@ -9,6 +9,7 @@ use super::curve::{arc, around, at, heading, turned};
 use super::parameter::{at_most_triangles, check, parameters};
 use super::scatter::{LOOSELY, scattered};
 use super::tube::tube;
+use super::variant::{elements, seed_of};
 use super::within::plant;
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
@@ -18,6 +19,8 @@ parameters! {
     pub struct Foliage {
         /// Which of the many bushes with these settings.
         seed: u64,
+        /// Which of the variants: they differ inside of a copy, but are the same where they go on in the next.
+        variant: u32,
         /// Twigs in a copy.
         twigs: u32 in 1..=10_000 ["twigs"],
         /// Length of a twig, along it; one that would grow out of the texel is smaller.
@@ -87,6 +90,7 @@ impl Foliage {
     pub fn shrub() -> Self {
         Self {
             seed: 1,
+            variant: 0,
             twigs: 26,
             length: 0.85,
             length_variation: 0.25,
@@ -259,11 +263,9 @@ impl Procedure for Foliage {
     }
 
     fn geometry(&self) -> Geometry {
-        let mut geometry =
-            Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        for i in 0..self.twigs {
-            self.twig(i, &mut geometry);
-        }
-        geometry
+        let geometry = Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let own = Self { seed: seed_of(self.seed, self.variant), ..self.clone() };
+        let grow = |i: u32, geometry: &mut Geometry| self.twig(i, geometry);
+        elements(geometry, self.twigs, self.variant, grow, |i, geometry| own.twig(i, geometry))
     }
 }

@@ -8,6 +8,7 @@ use super::clumps::Clumps;
 use super::parameter::{at_most_triangles, check, parameters};
 use super::scatter::{LOOSELY, scattered};
 use super::tube::tube;
+use super::variant::{elements, seed_of};
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
 
@@ -16,6 +17,8 @@ parameters! {
     pub struct Fur {
         /// Which of the many furs with these settings.
         seed: u64,
+        /// Which of the variants: they differ inside of a copy, but are the same where they go on in the next.
+        variant: u32,
         /// Strands in a copy, undercoat included.
         count: u32 in 1..=1_000_000 ["strands"],
         /// Length of a strand, along it; tips stay below the texel's top.
@@ -70,6 +73,7 @@ impl Fur {
     pub fn long() -> Self {
         Self {
             seed: 1,
+            variant: 0,
             count: 1100,
             length: 0.92,
             length_variation: 0.25,
@@ -209,6 +213,25 @@ impl Fur {
         let thickness = if under { 0.75 * thickness } else { thickness };
         (points, Strand { under, thickness, shade })
     }
+
+    /// Grows strand after strand.
+    fn strands(&self) -> impl Fn(u32, &mut Geometry) + '_ {
+        let locks = Clumps::new(self.count / self.clump_size.max(1), self.seed ^ 0x10c5);
+        move |i, geometry| {
+            let (points, Strand { under, thickness, shade }) = self.strand(i, &locks);
+            let radius = |x: f32| (self.root_radius + (self.tip_radius - self.root_radius) * x) * thickness;
+            let tip_color = if under { self.undercoat_color } else { self.tip_color };
+            let color = |x: f32| {
+                // Half-way at the midpoint. [Schlick94]
+                let x = x / ((1.0 / (1.0 - self.color_midpoint) - 2.0) * (1.0 - x) + 1.0);
+                let blend = x * x * (3.0 - 2.0 * x);
+                self.root_color.lerp(tip_color, blend) * shade
+            };
+            // Each strand turned its own way: together, few-sided tubes are as round as fur.
+            let turn = TAU * Random::new(self.seed ^ 0x7ab5, i.into()).unit();
+            tube(geometry, &points, self.sides, turn, radius, color);
+        }
+    }
 }
 
 /// What is a strand's own: whether it is undercoat, and its factors of radius and brightness.
@@ -235,23 +258,8 @@ impl Procedure for Fur {
     }
 
     fn geometry(&self) -> Geometry {
-        let mut geometry =
-            Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        let locks = Clumps::new(self.count / self.clump_size.max(1), self.seed ^ 0x10c5);
-        for i in 0..self.count {
-            let (points, Strand { under, thickness, shade }) = self.strand(i, &locks);
-            let radius = |x: f32| (self.root_radius + (self.tip_radius - self.root_radius) * x) * thickness;
-            let tip_color = if under { self.undercoat_color } else { self.tip_color };
-            let color = |x: f32| {
-                // Half-way at the midpoint. [Schlick94]
-                let x = x / ((1.0 / (1.0 - self.color_midpoint) - 2.0) * (1.0 - x) + 1.0);
-                let blend = x * x * (3.0 - 2.0 * x);
-                self.root_color.lerp(tip_color, blend) * shade
-            };
-            // Each strand turned its own way: together, few-sided tubes are as round as fur.
-            let turn = TAU * Random::new(self.seed ^ 0x7ab5, i.into()).unit();
-            tube(&mut geometry, &points, self.sides, turn, radius, color);
-        }
-        geometry
+        let geometry = Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let own = Self { seed: seed_of(self.seed, self.variant), ..self.clone() };
+        elements(geometry, self.count, self.variant, self.strands(), own.strands())
     }
 }

@@ -8,6 +8,7 @@ use super::blade::Blade;
 use super::clumps::Clumps;
 use super::parameter::{at_most_triangles, check, parameters};
 use super::scatter::{LOOSELY, scattered};
+use super::variant::{elements, seed_of};
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
 
@@ -16,6 +17,8 @@ parameters! {
     pub struct Grass {
         /// Which of the many lawns with these settings.
         seed: u64,
+        /// Which of the variants: they differ inside of a copy, but are the same where they go on in the next.
+        variant: u32,
         /// Blades in a copy.
         count: u32 in 1..=1_000_000 ["blades"],
         /// Length of a blade, along it; tips stay below the texel's top.
@@ -62,6 +65,7 @@ impl Grass {
     pub fn meadow() -> Self {
         Self {
             seed: 1,
+            variant: 0,
             count: 200,
             length: 0.88,
             length_variation: 0.25,
@@ -129,6 +133,12 @@ impl Grass {
         }
     }
 
+    /// Grows blade after blade.
+    fn blades(&self) -> impl Fn(u32, &mut Geometry) + '_ {
+        let tufts = Clumps::new(self.count / self.clump_size.max(1), self.seed ^ 0x7af7);
+        move |i, geometry| self.blade(i, &tufts, geometry)
+    }
+
     fn blade(&self, i: u32, tufts: &Clumps, geometry: &mut Geometry) {
         let random = &mut Random::new(self.seed, i.into());
         let root = scattered(i, self.count, LOOSELY, random);
@@ -174,12 +184,8 @@ impl Procedure for Grass {
     }
 
     fn geometry(&self) -> Geometry {
-        let mut geometry =
-            Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        let tufts = Clumps::new(self.count / self.clump_size.max(1), self.seed ^ 0x7af7);
-        for i in 0..self.count {
-            self.blade(i, &tufts, &mut geometry);
-        }
-        geometry
+        let geometry = Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let own = Self { seed: seed_of(self.seed, self.variant), ..self.clone() };
+        elements(geometry, self.count, self.variant, self.blades(), own.blades())
     }
 }

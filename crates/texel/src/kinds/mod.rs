@@ -19,6 +19,7 @@ mod scatter;
 mod sheet;
 mod spheres;
 mod tube;
+mod variant;
 mod within;
 
 pub use foliage::Foliage;

@@ -10,6 +10,7 @@ use super::curve::{GOLDEN, arc, around, at, heading, turned};
 use super::parameter::{at_most_triangles, check, parameters};
 use super::scatter::{LOOSELY, scattered};
 use super::tube::tube;
+use super::variant::{elements, seed_of};
 use super::within::plant;
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
@@ -19,6 +20,8 @@ parameters! {
     pub struct Moss {
         /// Which of the many mosses with these settings.
         seed: u64,
+        /// Which of the variants: they differ inside of a copy, but are the same where they go on in the next.
+        variant: u32,
         /// Shoots in a copy.
         shoots: u32 in 1..=100_000 ["shoots"],
         /// Length of a shoot in the middle of its cushion, along its stem.
@@ -74,6 +77,7 @@ impl Moss {
     pub fn cushion() -> Self {
         Self {
             seed: 1,
+            variant: 0,
             shoots: 260,
             length: 0.75,
             length_variation: 0.08,
@@ -118,6 +122,12 @@ impl Moss {
             capsules: 0.08,
             ..Self::cushion()
         }
+    }
+
+    /// Grows shoot after shoot.
+    fn shoots(&self) -> impl Fn(u32, &mut Geometry) + '_ {
+        let cushions = Clumps::new(self.cushions, self.seed ^ 0xc054);
+        move |i, geometry| self.shoot(i, &cushions, geometry)
     }
 
     fn shoot(&self, i: u32, cushions: &Clumps, geometry: &mut Geometry) {
@@ -214,12 +224,8 @@ impl Procedure for Moss {
     }
 
     fn geometry(&self) -> Geometry {
-        let mut geometry =
-            Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        let cushions = Clumps::new(self.cushions, self.seed ^ 0xc054);
-        for i in 0..self.shoots {
-            self.shoot(i, &cushions, &mut geometry);
-        }
-        geometry
+        let geometry = Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let own = Self { seed: seed_of(self.seed, self.variant), ..self.clone() };
+        elements(geometry, self.shoots, self.variant, self.shoots(), own.shoots())
     }
 }

@@ -8,6 +8,7 @@ use super::curve::{GOLDEN, arc, around, at, heading, turned};
 use super::parameter::{at_most_triangles, check, parameters};
 use super::scatter::{LOOSELY, scattered};
 use super::tube::tube;
+use super::variant::{elements, seed_of};
 use super::within::plant;
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
@@ -17,6 +18,8 @@ parameters! {
     pub struct Needles {
         /// Which of the many conifers with these settings.
         seed: u64,
+        /// Which of the variants: they differ inside of a copy, but are the same where they go on in the next.
+        variant: u32,
         /// Shoots in a copy.
         shoots: u32 in 1..=10_000 ["shoots"],
         /// Length of a shoot, along it; one that would grow out of the texel is smaller.
@@ -75,6 +78,7 @@ impl Needles {
     pub fn spruce() -> Self {
         Self {
             seed: 1,
+            variant: 0,
             shoots: 26,
             length: 0.8,
             length_variation: 0.2,
@@ -211,11 +215,9 @@ impl Procedure for Needles {
     }
 
     fn geometry(&self) -> Geometry {
-        let mut geometry =
-            Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        for i in 0..self.shoots {
-            self.shoot(i, &mut geometry);
-        }
-        geometry
+        let geometry = Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let own = Self { seed: seed_of(self.seed, self.variant), ..self.clone() };
+        let grow = |i: u32, geometry: &mut Geometry| self.shoot(i, geometry);
+        elements(geometry, self.shoots, self.variant, grow, |i, geometry| own.shoot(i, geometry))
     }
 }

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use super::curve::around;
 use super::parameter::{at_most_triangles, check, parameters};
 use super::tube::{tangent, tube};
+use super::variant::{elements, seed_of};
 use super::within::plant;
 use crate::random::Random;
 use crate::{BuildError, Geometry, Procedure};
@@ -17,6 +18,8 @@ parameters! {
     pub struct Pile {
         /// Which of the many carpets with these settings.
         seed: u64,
+        /// Which of the variants: they differ inside of a copy, but are the same where they go on in the next.
+        variant: u32,
         /// Tufts along each edge of a copy; their square stands in it.
         tufts: u32 in 1..=100 ["tufts"],
         /// Height of the pile.
@@ -70,6 +73,7 @@ impl Pile {
     pub fn cut() -> Self {
         Self {
             seed: 1,
+            variant: 0,
             tufts: 8,
             height: 0.85,
             height_variation: 0.06,
@@ -231,11 +235,9 @@ impl Procedure for Pile {
     }
 
     fn geometry(&self) -> Geometry {
-        let mut geometry =
-            Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
-        for i in 0..self.tufts * self.tufts {
-            self.tuft(i, &mut geometry);
-        }
-        geometry
+        let geometry = Geometry { specular: self.specular, roughness: self.roughness, ..Geometry::default() };
+        let own = Self { seed: seed_of(self.seed, self.variant), ..self.clone() };
+        let grow = |i: u32, geometry: &mut Geometry| self.tuft(i, geometry);
+        elements(geometry, self.tufts * self.tufts, self.variant, grow, |i, geometry| own.tuft(i, geometry))
     }
 }
