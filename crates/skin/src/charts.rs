@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
+use crate::disjoint::DisjointSets;
 use crate::polygon::{Polygon, Surface};
 
 /// Which chart each polygon belongs to, and the mean density of texture coordinates there.
@@ -23,18 +24,17 @@ impl Charts {
     /// Polygons that share a vertex with the same texture coordinates there are in one chart.
     pub fn new(surface: &Surface) -> Self {
         let polygons = &surface.polygons;
-        let mut parent: Vec<u32> = (0..polygons.len() as u32).collect();
+        // A set is named by its smallest number, so that charts are numbered by their first polygon.
+        let mut sets = DisjointSets::new(polygons.len());
         let mut first_at = AtVertex::new(surface.positions.len());
         for (i, polygon) in polygons.iter().enumerate() {
             for (corner, &vertex) in polygon.corners().iter().enumerate() {
-                let uv = polygon.uvs[corner].to_array().map(|x| (x + 0.0).to_bits());
+                let uv = polygon.laid[corner].to_array().map(|x| (x + 0.0).to_bits());
                 let first = *first_at.entry(vertex, uv, i as u32);
-                let (a, b) = (root(&mut parent, first), root(&mut parent, i as u32));
-                // The smaller number is the root, so that charts are numbered by their first polygon.
-                parent[a.max(b) as usize] = a.min(b);
+                sets.join(first, i as u32);
             }
         }
-        let of_polygon: Vec<u32> = (0..polygons.len() as u32).map(|i| root(&mut parent, i)).collect();
+        let of_polygon: Vec<u32> = (0..polygons.len() as u32).map(|i| sets.root(i)).collect();
         let mut areas = vec![(0.0, 0.0); polygons.len()];
         for (polygon, &chart) in polygons.iter().zip(&of_polygon) {
             let (uv_area, area) = &mut areas[chart as usize];
@@ -65,6 +65,11 @@ impl Charts {
             })
             .collect();
         Self { of_polygon, density, finer }
+    }
+
+    /// The number of the chart that polygon `index` belongs to: that of its first polygon.
+    pub fn number(&self, index: usize) -> u32 {
+        self.of_polygon[index]
     }
 
     /// The density of the chart that polygon `index` belongs to.
@@ -123,15 +128,6 @@ fn ratio(uv_area: f64, area: f64) -> f64 {
 /// Area in texture coordinates; each half on its own, because those of a quad may be mirrored against each other.
 fn uv_area_of(polygon: &Polygon) -> f64 {
     let n = polygon.corners().len();
-    let uv = |i: usize| polygon.uvs[i].as_dvec2() - polygon.uvs[0].as_dvec2();
+    let uv = |i: usize| polygon.laid[i].as_dvec2() - polygon.laid[0].as_dvec2();
     (1..n - 1).map(|i| 0.5 * uv(i).perp_dot(uv(i + 1)).abs()).sum()
-}
-
-/// The smallest number in the set of `i`; halves the way for the next call.
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
 }

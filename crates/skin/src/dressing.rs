@@ -13,7 +13,7 @@ use crate::charts::{Charts, mean_density};
 use crate::patch::hexahedron;
 use crate::polygon::{Polygon, Surface};
 use crate::quad;
-use crate::{Lattice, Layout, Patch, Report, SkinOptions};
+use crate::{Anchor, Lattice, Layout, Patch, Report, SkinOptions};
 
 /// Texel coordinates nearer than this to a whole number are that number, in copies of the texel: far less than a
 /// voxel, and enough for the rounding of `f32` texture coordinates, so that borders between copies coincide with
@@ -62,8 +62,13 @@ impl Plan {
     /// Resolves layout and tiling for `surface`; `uvs` says whether the mesh has texture coordinates.
     pub fn new(surface: &Surface, uvs: bool, options: &SkinOptions) -> Self {
         let copies = f64::from(options.tiling.unwrap_or(1.0)).round().clamp(1.0, MOST_COPIES);
-        if !uvs || options.layout == Layout::PerPatch {
+        if options.layout == Layout::PerPatch || (!uvs && options.layout != Layout::Conformal) {
             return Self::PerPatch { copies };
+        }
+        if options.layout == Layout::Conformal {
+            let width = f64::from(options.aspect) * f64::from(options.height);
+            let tiling = options.tiling.map_or(1.0 / width, f64::from);
+            return Self::Uv { tiling, copy_width: 1.0 / tiling };
         }
         let density = mean_density(surface);
         if density == 0.0 && options.layout == Layout::Auto {
@@ -108,7 +113,7 @@ impl Plan {
     /// (s, t) at the corners of `polygon`, around it.
     fn corners(&self, polygon: &Polygon) -> [DVec2; 4] {
         match *self {
-            Self::Uv { tiling, .. } => polygon.uvs.map(|uv| (uv.as_dvec2() * tiling).map(snap)),
+            Self::Uv { tiling, .. } => polygon.laid.map(|uv| (uv.as_dvec2() * tiling).map(snap)),
             Self::PerPatch { copies: n } => [(0.0, 0.0), (n, 0.0), (n, n), (0.0, n)].map(DVec2::from),
         }
     }
@@ -145,10 +150,12 @@ impl Affine {
     }
 
     /// Shifts by whole numbers, so that the point at box coordinates (`middle`, `middle`) comes to lie in `[0,1)²`,
-    /// then rounds to `f32`.
-    fn near_zero(self, middle: f64) -> Lattice {
+    /// then rounds to `f32`. Also the shift.
+    fn near_zero(self, middle: f64) -> (Lattice, [i32; 2]) {
         let shift = (self.origin + middle * (self.u + self.v)).floor();
-        Lattice { origin: (self.origin - shift).as_vec2(), u: self.u.as_vec2(), v: self.v.as_vec2() }
+        let lattice =
+            Lattice { origin: (self.origin - shift).as_vec2(), u: self.u.as_vec2(), v: self.v.as_vec2() };
+        (lattice, shift.to_array().map(|x| x as i32))
     }
 }
 
@@ -159,14 +166,23 @@ pub(crate) fn dress(
     options: &SkinOptions,
     report: &mut Report,
 ) -> (Vec<Patch>, Vec<[Vec2; 4]>) {
-    let uv_by_chart = options.tiling.is_none() && matches!(plan, Plan::Uv { .. });
-    let charts = uv_by_chart.then(|| Charts::new(surface));
-    let plan_of = |i: usize| match charts.as_ref().map(|charts| (charts.density(i), charts.finer(i))) {
+    let charts = matches!(plan, Plan::Uv { .. }).then(|| Charts::new(surface));
+    let sized = options.tiling.is_some() || options.layout == Layout::Conformal;
+    let by_chart = charts.as_ref().filter(|_| !sized);
+    let plan_of = |i: usize| match by_chart.map(|charts| (charts.density(i), charts.finer(i))) {
         Some((density, finer)) if density > 0.0 => Plan::uv(density, options).finer(finer),
         _ => plan,
     };
+    let island_of = |i: usize| charts.as_ref().map_or(i as u32, |charts| charts.number(i));
     let dressed: Vec<Dressed> = (surface.polygons.par_iter().enumerate())
-        .flat_map_iter(|(i, p)| dress_one(p, surface, plan_of(i), options))
+        .flat_map_iter(|(i, p)| {
+            let island = island_of(i);
+            dress_one(p, surface, plan_of(i), options).map(move |mut dressed| {
+                // Where texture coordinates are of no use, the polygon has copies of its own.
+                dressed.patch.anchor.island = if dressed.zero_area_uvs { i as u32 } else { island };
+                dressed
+            })
+        })
         .collect();
     for d in &dressed {
         report.mirrored += usize::from(d.patch.lattice.determinant() < 0.0);
@@ -230,17 +246,20 @@ fn cuboid(polygon: &Polygon, points: [DVec3; 4], corners: [DVec2; 4], plan: Plan
     let box_order = |[a, b, d, c]: [DVec2; 4]| [a, b, c, d];
     let [p0, p1, p2, p3] = polygon.vertices;
     let [t0, t1, t2, t3] = polygon.uvs;
+    let [l0, l1, _, l3] = polygon.laid;
     let mut lattice = Affine::parallelogram(box_order(corners));
-    let check = plan.check(lattice, [t0, t1, t3]);
+    let check = plan.check(lattice, [l0, l1, l3]);
     if let Err(copy_width) = check {
         lattice = Affine::parallelogram(box_order(whole_copies(points, copy_width)));
     }
+    let (lattice, first) = lattice.near_zero(0.5);
     Dressed {
         patch: Patch {
             vertices: [p0, p1, p3, p2],
             face: polygon.face,
             material: polygon.material,
-            lattice: lattice.near_zero(0.5),
+            lattice,
+            anchor: Anchor { island: 0, first },
         },
         uvs: [t0, t1, t3, t2],
         zero_area_uvs: check.is_err(),
@@ -259,16 +278,19 @@ fn prism(
     let triangle = polygon.triangle(pick);
     let [a, b, c, _] = triangle.uvs;
     let mut lattice = Affine::triangle(pick.map(|i| corners[i]));
-    let check = plan.check(lattice, [a, b, c]);
+    let [la, lb, lc, _] = triangle.laid;
+    let check = plan.check(lattice, [la, lb, lc]);
     if let Err(copy_width) = check {
         lattice = Affine::triangle(laid_flat(pick.map(|i| points[i]), copy_width));
     }
+    let (lattice, first) = lattice.near_zero(1.0 / 3.0);
     Dressed {
         patch: Patch {
             vertices: triangle.vertices,
             face: polygon.face,
             material: polygon.material,
-            lattice: lattice.near_zero(1.0 / 3.0),
+            lattice,
+            anchor: Anchor { island: 0, first },
         },
         uvs: [a, b, c, b + c - a],
         zero_area_uvs: check.is_err(),

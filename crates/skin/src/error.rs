@@ -28,6 +28,16 @@ pub enum SkinError {
         /// The mesh's name.
         mesh: String,
     },
+    /// [`Layout::Conformal`](crate::Layout::Conformal) was asked for on a mesh that would take very long and much memory.
+    #[error("mesh `{mesh}`: {faces} faces are too many to be laid out conformally; {most} is the most")]
+    ConformalSize {
+        /// The mesh's name.
+        mesh: String,
+        /// How many of its faces are to be laid out.
+        faces: usize,
+        /// How many may be.
+        most: usize,
+    },
     /// An option is out of its domain.
     #[error("skin option `{option}` is {value}: {expected}")]
     Option {

@@ -7,7 +7,7 @@ use crate::dressing::{self, Plan};
 use crate::polygon::{self, Surface};
 use crate::settle::{Wanted, settle};
 use crate::{Border, Folds, Layout, Patch, Report, Skin, SkinError, SkinOptions};
-use crate::{normals, refine};
+use crate::{conformal, normals, refine};
 
 /// Covers the faces of `mesh` for which `selected` holds with a skin.
 ///
@@ -44,6 +44,14 @@ pub(crate) fn cover(
     if surface.polygons.is_empty() {
         let (faces, zero_area) = (mesh.faces.len(), report.zero_area_faces.len());
         return Err(SkinError::NothingSelected { mesh: mesh.name.clone(), faces, zero_area });
+    }
+    if options.layout == Layout::Conformal {
+        let (faces, most) = (surface.polygons.len(), conformal::MOST_FACES);
+        if faces > most {
+            return Err(SkinError::ConformalSize { mesh: mesh.name.clone(), faces, most });
+        }
+        let coordinates = conformal::coordinates(&surface);
+        surface.polygons.iter_mut().zip(coordinates).for_each(|(polygon, laid)| polygon.laid = laid);
     }
     let plan = Plan::new(&surface, mesh.uvs.is_some(), options);
     report.refined = matches!(plan, Plan::PerPatch { .. }) && refine::has_triangles(&surface);

@@ -17,10 +17,12 @@
 //! |---|---|
 //! | if there is no mesh yet, a surface is made one | [`tessellate`] |
 //! | the selected faces, welded, without the degenerate ones | `polygon` |
+//! | texture coordinates made for it, if asked for | `conformal` |
 //! | without texture coordinates and with triangles: every n-gon becomes n quads | `refine` |
 //! | one vector a vertex, from the faces around it; or from a second mesh | `normals`, `cage` |
 //! | quads and triangles become patches; texel coordinates | `dressing` |
 //! | every box is certified; folded ones are mended, left out or refused | `validate`, `settle` |
+//! | how much the texel is stretched, and where its seams are | `distortion` |
 //! | the vectors are groomed, if they are to be | [`groom`] |
 //! | positions or vectors move, frame after frame | `update` |
 //!
@@ -30,6 +32,9 @@
 
 mod cage;
 mod charts;
+mod conformal;
+mod disjoint;
+mod distortion;
 mod dressing;
 mod error;
 mod extrude;
@@ -49,10 +54,11 @@ mod update;
 mod validate;
 
 pub use cage::{cage, mean_height};
+pub use distortion::{Chart, Distortion};
 pub use error::SkinError;
 pub use extrude::extrude;
 pub use options::{Border, Folds, Layout, Mending, SkinOptions};
 pub use outline::Outline;
-pub use patch::{Lattice, Patch, Skin};
+pub use patch::{Anchor, Lattice, Patch, Skin};
 pub use report::{Fold, Outcome, Report};
 pub use update::Motion;

@@ -56,7 +56,7 @@ pub(crate) fn vectors(positions: &[Vec3], patches: &[Patch], bystanders: &[Polyg
         *weight += c.angle;
     }
     let mut result = Vectors { unit: Vec::new(), cancelled: Vec::new(), turned: Vec::new() };
-    let mut unit: Vec<DVec3> = sums.iter().map(|(sum, _)| sum.normalize_or_zero()).collect();
+    let mut unit: Vec<DVec3> = sums.par_iter().map(|(sum, _)| sum.normalize_or_zero()).collect();
     let mut hardly_seen: HashMap<u32, Vec<DVec3>> = HashMap::new();
     for (i, (sum, weight)) in sums.iter().enumerate() {
         if *weight > 0.0 && sum.length() <= CANCELLED * weight {
@@ -73,7 +73,7 @@ pub(crate) fn vectors(positions: &[Vec3], patches: &[Patch], bystanders: &[Polyg
             hardly_seen.entry(c.vertex).or_default();
         }
     }
-    for c in &all {
+    for c in if hardly_seen.is_empty() { &[][..] } else { &all } {
         if let Some(normals) = hardly_seen.get_mut(&c.vertex) {
             normals.push(c.normal);
         }

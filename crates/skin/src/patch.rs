@@ -36,6 +36,24 @@ impl Lattice {
     }
 }
 
+/// Which copies of the texel a patch lies in. A copy that several patches share has the same island and number for all
+/// of them, so that what varies from copy to copy is one thing in all of its parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Anchor {
+    /// The part of the surface in which copies are numbered: a chart where they go by texture coordinates, else a face.
+    pub island: u32,
+    /// The number there of the copy that the patch's [`Lattice`] has between (0, 0) and (1, 1).
+    pub first: [i32; 2],
+}
+
+impl Anchor {
+    /// The number in the island of a copy of the lattice.
+    #[inline]
+    pub fn number(&self, copy: [i32; 2]) -> [i32; 2] {
+        [0, 1].map(|axis| self.first[axis].wrapping_add(copy[axis]))
+    }
+}
+
 /// A quad or a triangle of the base surface, with the box that stands on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
@@ -48,6 +66,8 @@ pub struct Patch {
     pub material: MaterialId,
     /// Where in the texel it lies.
     pub lattice: Lattice,
+    /// In which of its copies.
+    pub anchor: Anchor,
 }
 
 impl Patch {

@@ -16,6 +16,8 @@ pub(crate) struct Polygon {
     pub material: MaterialId,
     /// The mesh's texture coordinates at the corners, zero without any; the fourth of a triangle is unused.
     pub uvs: [Vec2; 4],
+    /// The coordinates that the texel is laid out by: these, or generated ones.
+    pub laid: [Vec2; 4],
 }
 
 impl Polygon {
@@ -39,8 +41,11 @@ impl Polygon {
     /// The triangle on three of the corners.
     pub fn triangle(&self, pick: [usize; 3]) -> Self {
         let [a, b, c] = pick.map(|i| self.vertices[i]);
-        let [ta, tb, tc] = pick.map(|i| self.uvs[i]);
-        Self { vertices: [a, b, c, Face::NONE], uvs: [ta, tb, tc, Vec2::ZERO], ..*self }
+        let of = |list: [Vec2; 4]| {
+            let [a, b, c] = pick.map(|i| list[i]);
+            [a, b, c, Vec2::ZERO]
+        };
+        Self { vertices: [a, b, c, Face::NONE], uvs: of(self.uvs), laid: of(self.laid), ..*self }
     }
 }
 
@@ -149,8 +154,13 @@ fn weld(mesh: &Mesh, tops: Option<&[Vec3]>, report: &mut Report) -> Vec<u32> {
 
 /// The face with its welded corners, repeated ones dropped; `None` where fewer than three remain.
 fn distinct_corners(face: &Face, index: u32, uvs: [Vec2; 4], welded: &[u32]) -> Option<Polygon> {
-    let mut polygon =
-        Polygon { vertices: [Face::NONE; 4], face: index, material: face.material, uvs: [Vec2::ZERO; 4] };
+    let mut polygon = Polygon {
+        vertices: [Face::NONE; 4],
+        face: index,
+        material: face.material,
+        uvs: [Vec2::ZERO; 4],
+        laid: [Vec2::ZERO; 4],
+    };
     let corners = face.corners();
     let mut count = 0;
     for (k, &corner) in corners.iter().enumerate() {
@@ -161,6 +171,7 @@ fn distinct_corners(face: &Face, index: u32, uvs: [Vec2; 4], welded: &[u32]) -> 
             count += 1;
         }
     }
+    polygon.laid = polygon.uvs;
     let [a, b, c, d] = polygon.vertices;
     (count >= 3 && a != c && b != d).then_some(polygon)
 }

@@ -56,6 +56,8 @@ fn split_one(
         Polygon {
             vertices: [corners[k], middle[k], centre, middle[before]],
             uvs: [polygon.uvs[k], uv_middle(k), uv_centre, uv_middle(before)],
+            // Copies go by faces here.
+            laid: [Vec2::ZERO; 4],
             ..polygon
         }
     })

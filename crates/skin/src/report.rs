@@ -92,6 +92,8 @@ pub struct Report {
     pub shortest: f32,
     /// Vertices of a groomed skin whose vectors were turned back towards what they were before grooming.
     pub turned_back: usize,
+    /// Boxes of a groomed skin that its density left out.
+    pub thinned: usize,
     /// Every box that was folded at full height, and those spoilt by the mending of a neighbour.
     pub folds: Vec<Fold>,
     /// Copies of the texel per unit of texture coordinates (per patch side without them); where each chart has its
@@ -128,6 +130,7 @@ impl fmt::Display for Report {
         note(self.left_out(), "folded boxes left out")?;
         note(self.mended_vertices, "vertex vectors shortened")?;
         note(self.turned_back, "vertex vectors turned back")?;
+        note(self.thinned, "boxes left out by the density")?;
         note(self.turned_normals, "vertex vectors turned to be seen by all their faces")?;
         note(self.cancelled_normals.len(), "vertices where the normals of the faces cancel")?;
         note(self.zero_area_faces.len(), "faces without area left out")?;

@@ -98,14 +98,7 @@ fn turned_back(vector: Vec3, upright: Vec3, turns: u8) -> Vec3 {
 pub(crate) fn settle(wanted: Wanted, patches: &[Patch], mending: &Mending) -> Settled {
     let Wanted { base, top: full, upright } = wanted;
     let depth = mending.certificate_depth;
-    let mut settled = Settled {
-        top: full.to_vec(),
-        kept: vec![true; patches.len()],
-        folds: Vec::new(),
-        mended_vertices: 0,
-        shortest: 1.0,
-        turned_back: 0,
-    };
+    let mut settled = Settled::as_wanted(full.to_vec(), patches.len());
     let found = faults(patches, base, full, depth);
     if found.is_empty() || matches!(mending.folds, Folds::Refuse | Folds::Keep) {
         return Settled { folds: found, ..settled };
@@ -200,6 +193,12 @@ fn even_out(conceded: &mut [Concession], patches: &[Patch]) {
 }
 
 impl Settled {
+    /// So many boxes, all of which are known to be valid.
+    pub fn as_wanted(top: Vec<Vec3>, patches: usize) -> Self {
+        let kept = vec![true; patches];
+        Self { top, kept, folds: Vec::new(), mended_vertices: 0, shortest: 1.0, turned_back: 0 }
+    }
+
     /// Moves the tops of `skin`, whose patches these were, drops the patches that do not stay, and reports it.
     pub fn apply(self, skin: &mut Skin) {
         let Self { top, kept, mut folds, mended_vertices, shortest, turned_back } = self;

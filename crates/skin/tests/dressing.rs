@@ -173,7 +173,46 @@ fn far_coordinates_lose_no_precision() {
         *uv += Vec2::new(4096.0, -4096.0);
     }
     let far = extrude(&mesh, &|_| true, &tiled(1.0)).unwrap();
-    assert_eq!(near.patches, far.patches);
+    for (near, far) in near.patches.iter().zip(&far.patches) {
+        assert_eq!(near.lattice, far.lattice);
+        // It is known by another number, 4096 copies away.
+        assert_eq!(far.anchor.first, [near.anchor.first[0] + 4096, near.anchor.first[1] - 4096]);
+    }
+}
+
+#[test]
+fn patches_that_share_a_copy_know_it_by_one_number() {
+    // Copies at tiling 1.7 straddle the edges of a plane of 6 × 5 quads, of which some are cut into triangles.
+    let mut mesh = surface::plane(1.0, 6, 5);
+    for quad in [3, 8, 20] {
+        let [a, b, c, d] = mesh.faces[quad].vertices;
+        let uvs = mesh.uvs.as_ref().unwrap()[quad];
+        mesh.faces[quad] = Face::triangle([a, b, c], MaterialId(0));
+        mesh.faces.push(Face::triangle([a, c, d], MaterialId(0)));
+        mesh.uvs.as_mut().unwrap().push([uvs[0], uvs[2], uvs[3], Vec2::ZERO]);
+    }
+    let skin = extrude(&mesh, &|_| true, &tiled(1.7)).unwrap();
+    assert_eq!(skin.len(), 33);
+    for (i, patch) in skin.patches.iter().enumerate() {
+        for (corner, vertex) in patch.vertices.iter().take(patch.corners().len()).enumerate() {
+            // (s, t) in the island is 1.7 (x, −z), measured from the corner where the texture coordinates are 0.
+            let st = corners(&skin, i)[corner] + Vec2::from(patch.anchor.first.map(|n| n as f32));
+            let p = skin.base[*vertex as usize];
+            let expected = 1.7 * Vec2::new(p.x + 0.5, 0.5 - p.z);
+            assert!((st - expected).length() < 1e-5, "patch {i}: {st} for {expected}");
+        }
+        assert_eq!(patch.anchor.island, skin.patches[0].anchor.island);
+    }
+    // Per patch, each has copies of its own, and so have charts that have nothing to do with each other.
+    let own = extrude(&mesh, &|_| true, &SkinOptions::per_patch(0.1)).unwrap();
+    let mut islands: Vec<u32> = own.patches.iter().map(|p| p.anchor.island).collect();
+    islands.dedup();
+    assert_eq!(islands.len(), own.len());
+    let mut mesh = surface::plane(1.0, 2, 1);
+    mesh.uvs.as_mut().unwrap()[1] = mesh.uvs.as_ref().unwrap()[0];
+    mesh.uvs.as_mut().unwrap()[1].iter_mut().for_each(|uv| *uv += Vec2::splat(0.01));
+    let two = extrude(&mesh, &|_| true, &tiled(1.0)).unwrap();
+    assert_ne!(two.patches[0].anchor.island, two.patches[1].anchor.island);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Operations that look at a vertex together with others: locks, and smoothing.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ pub(super) fn clump(
         .into_par_iter()
         .map(|i| nearest_seed((skin.base[i] + by.size * ground.normal[i]) / by.size, by.seed))
         .collect();
-    let mut locks: BTreeMap<[i32; 3], (Vec3, f32)> = BTreeMap::new();
+    let mut locks: HashMap<[i32; 3], (Vec3, f32)> = HashMap::new();
     for (i, cell) in cells.iter().enumerate().filter(|&(i, _)| ground.normal[i] != Vec3::ZERO) {
         let (sum, count) = locks.entry(cell.to_array()).or_default();
         // Relative to the cell, so that far from the origin no digits are lost.

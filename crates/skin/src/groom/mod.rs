@@ -26,6 +26,7 @@ mod gather;
 mod mask;
 mod operation;
 mod surface;
+mod thin;
 mod turn;
 
 use core::fmt;
@@ -38,9 +39,10 @@ pub use operation::{
     Clump, Comb, Field, Misfit, Noise, Operation, Part, Plane, Smooth, Swirl, Tilt, Turn, Wind,
 };
 use surface::{Ground, along_uv};
+use thin::{Density, retain};
 use turn::{Strand, by_vertex};
 
-use crate::settle::{Wanted, settle};
+use crate::settle::{Settled, Wanted, settle};
 use crate::validate::fault;
 use crate::{Fold, Folds, Mending, Outcome, Skin, SkinError};
 
@@ -130,21 +132,39 @@ pub fn groom(skin: &Skin, steps: &[Step], options: &GroomOptions) -> Result<Groo
             *flag = true;
         }
     }
+    // By patch whether a step has certified it; what is known to be valid in the end need not be asked again.
+    let mut known = vec![false; skin.len()];
+    let mut density = Density::FULL;
     let mut effects = Vec::with_capacity(steps.len());
     for (index, step) in steps.iter().enumerate() {
         let of_step = |reason: SkinError| SkinError::Groom { step: index, reason: Box::new(reason) };
-        let next = apply(step, skin, &ground, &vectors, options).map_err(of_step)?;
+        step.operation
+            .validate()
+            .map_err(|(field, reason)| of_step(SkinError::Operation { field, reason }))?;
+        let weights = mask::product(&step.masks, skin).map_err(of_step)?;
+        if let Operation::Density(factor) = step.operation {
+            density.thin(factor, &weights);
+        }
+        let next = apply(step, skin, &ground, &vectors, &weights, options).map_err(of_step)?;
         let changed: Vec<bool> = vectors.par_iter().zip(&next).map(|(a, b)| a != b).collect();
         // What is not touched keeps its bits.
         top.par_iter_mut().enumerate().filter(|(i, _)| changed[*i]).for_each(|(i, t)| {
             *t = skin.base[i] + next[i];
         });
         vectors = next;
-        effects.push(effect(skin, &top, &changed, &mut folded, options));
+        effects.push(effect(skin, &top, &changed, [&mut folded, &mut known], options));
     }
     let mut groomed = skin.clone();
+    if let Some(kept) = density.apply(&mut groomed) {
+        retain(&mut folded, &kept);
+        retain(&mut known, &kept);
+    }
     let wanted = Wanted { base: &skin.base, top: &top, upright: Some(&upright) };
-    let settled = settle(wanted, &skin.patches, &options.mending);
+    let settled = if folded.contains(&true) || known.contains(&false) {
+        settle(wanted, &groomed.patches, &options.mending)
+    } else {
+        Settled::as_wanted(top, groomed.len())
+    };
     if let (Folds::Refuse, Some(&first)) = (options.mending.folds, settled.folds.first()) {
         return Err(SkinError::StillFolded { count: settled.folds.len(), first });
     }
@@ -168,11 +188,10 @@ fn apply(
     skin: &Skin,
     ground: &Ground,
     vectors: &[Vec3],
+    weights: &[f32],
     options: &GroomOptions,
 ) -> Result<Vec<Vec3>, SkinError> {
     let misfit = |(field, reason): Misfit| SkinError::Operation { field, reason };
-    step.operation.validate().map_err(misfit)?;
-    let weights = mask::product(&step.masks, skin)?;
     let along_uv = match &step.operation {
         Operation::Comb(Comb { along: Field::Uv(uv), .. }) => {
             let reason = "needs texture coordinates, and the mesh has none";
@@ -181,8 +200,8 @@ fn apply(
         _ => None,
     };
     let mut next = match (&step.operation, by_vertex(&step.operation, options.mending.shortest)) {
-        (Operation::Clump(clump), _) => gather::clump(skin, ground, vectors, &weights, clump),
-        (Operation::Smooth(smooth), _) => gather::smooth(skin, vectors, &weights, smooth),
+        (Operation::Clump(clump), _) => gather::clump(skin, ground, vectors, weights, clump),
+        (Operation::Smooth(smooth), _) => gather::smooth(skin, vectors, weights, smooth),
         (_, None) => vectors.to_vec(),
         (_, Some(turned)) => (0..vectors.len())
             .into_par_iter()
@@ -222,7 +241,7 @@ fn effect(
     skin: &Skin,
     top: &[Vec3],
     changed: &[bool],
-    folded: &mut [bool],
+    [folded, known]: [&mut [bool]; 2],
     options: &GroomOptions,
 ) -> Effect {
     let found: Vec<(usize, Option<Fold>)> = (skin.patches.par_iter().enumerate())
@@ -234,7 +253,7 @@ fn effect(
         if !folded[patch] {
             first = first.or(fold);
         }
-        folded[patch] = fold.is_some();
+        (folded[patch], known[patch]) = (fold.is_some(), true);
     }
     Effect {
         vertices: changed.iter().filter(|c| **c).count(),

@@ -31,6 +31,9 @@ pub enum Operation {
     Clump(Clump),
     /// Evens out their directions and lengths.
     Smooth(Smooth),
+    /// Thins the skin out: multiplies the part of its boxes that stay, from 0 to 1. Which ones is drawn, box by box,
+    /// once all steps are done; so thinning is as fine as the patches are.
+    Density(f32),
     /// Moves where they reach.
     Move(Vec3),
     /// Turns them about an axis.
@@ -40,8 +43,10 @@ pub enum Operation {
 /// Turns vectors towards one direction, by an angle, but not past it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Tilt {
     /// Where to.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub towards: Vec3,
     /// From 0 to 180.
     pub angle: f32,
@@ -51,6 +56,7 @@ pub struct Tilt {
 /// runs against the surface they stay upright, and all between follows smoothly.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comb {
     /// Which way.
     pub along: Field,
@@ -62,24 +68,28 @@ pub struct Comb {
 /// Directions on a surface.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Field {
     /// The same everywhere.
-    Vector(Vec3),
+    Vector(#[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))] Vec3),
     /// That of the nearest piece of a curve through two points or more.
-    Curve(Vec<Vec3>),
+    Curve(#[cfg_attr(feature = "schema", schemars(with = "Vec<[f32; 3]>"))] Vec<Vec3>),
     /// In texture coordinates: `[1, 0]` is the way in which u grows.
-    Uv(Vec2),
+    Uv(#[cfg_attr(feature = "schema", schemars(with = "[f32; 2]"))] Vec2),
     /// Away from a point.
-    AwayFrom(Vec3),
+    AwayFrom(#[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))] Vec3),
 }
 
 /// A parting: vectors lean away from a plane on either side of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Part {
     /// A point of the plane.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub point: Vec3,
     /// The plane's normal: across the parting.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub across: Vec3,
     /// How far vectors lean; from 0 to 85.
     #[cfg_attr(feature = "serde", serde(default = "forty_five"))]
@@ -93,10 +103,13 @@ pub struct Part {
 /// A whorl: vectors lean around a centre, or away from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Swirl {
     /// Where.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub centre: Vec3,
     /// What it turns about; counter-clockwise seen from where it points to.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub axis: Vec3,
     /// How far it reaches, measured across the axis. Positive.
     pub radius: f32,
@@ -111,6 +124,7 @@ pub struct Swirl {
 /// Disorder, by gradient noise over the surface. \[Perlin85\]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
     /// Relative change of lengths; from 0 to 0.95.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -128,8 +142,10 @@ pub struct Noise {
 /// Wind at one moment: a steady part, and gusts that travel with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wind {
     /// Where it blows to.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub direction: Vec3,
     /// The tangent of the angle by which it bends what it blows across; from 0 to 100.
     pub strength: f32,
@@ -153,16 +169,20 @@ pub struct Wind {
 /// A plane; what its normal points to is beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plane {
     /// A point of it.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub point: Vec3,
     /// Its normal.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub normal: Vec3,
 }
 
 /// Locks: what stands in one cell of a random partition of the surface \[Worley96\] leans together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Clump {
     /// How far apart locks are. Positive.
     pub size: f32,
@@ -176,6 +196,7 @@ pub struct Clump {
 /// Steps in each of which a vector moves towards the mean of its neighbours'.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Smooth {
     /// At most 1000.
     #[cfg_attr(feature = "serde", serde(default = "four"))]
@@ -188,8 +209,10 @@ pub struct Smooth {
 /// A rotation of vectors about their own feet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Turn {
     /// What about; counter-clockwise seen from where it points to.
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
     pub axis: Vec3,
     /// From −180 to 180.
     pub angle: f32,
@@ -220,6 +243,7 @@ impl Operation {
             Self::Scale(x) => vec![(length(*x) && *x <= 1e3, "scale", "must be positive and at most 1000")],
             Self::Height(x) => vec![(length(*x), "height", LENGTH)],
             Self::Gravity(x) => vec![(within(*x, 0.0, 100.0), "gravity", TANGENT)],
+            Self::Density(x) => vec![(within(*x, 0.0, 1.0), "density", "must be from 0 to 1")],
             Self::Move(by) => vec![(point(*by), "move", POINT)],
             Self::Tilt(Tilt { towards, angle }) => vec![
                 (direction(*towards), "tilt.towards", DIRECTION),
@@ -291,7 +315,15 @@ impl Operation {
     /// Whether what it does may lay vectors flatter than [`GroomOptions::steepest`](super::GroomOptions::steepest):
     /// where single vectors are moved, what was asked for is done.
     pub(super) fn is_exact(&self) -> bool {
-        matches!(self, Self::Scale(_) | Self::Height(_) | Self::Trim(_) | Self::Move(_) | Self::Turn(_))
+        matches!(
+            self,
+            Self::Density(_)
+                | Self::Scale(_)
+                | Self::Height(_)
+                | Self::Trim(_)
+                | Self::Move(_)
+                | Self::Turn(_)
+        )
     }
 }
 

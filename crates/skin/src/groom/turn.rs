@@ -42,7 +42,7 @@ impl Strand {
 pub(super) type ByVertex<'a> = Box<dyn Fn(&Strand) -> Vec3 + Sync + 'a>;
 
 /// What an operation does to each vertex; `shortest` is the least fraction of a length that is left. `None` for an
-/// operation that looks at more than one vertex.
+/// operation that looks at more than one vertex, or does not change vectors.
 pub(super) fn by_vertex(operation: &Operation, shortest: f32) -> Option<ByVertex<'_>> {
     Some(match operation {
         Operation::Scale(factor) => Box::new(|s| s.lengthened(*factor)),
@@ -81,7 +81,7 @@ pub(super) fn by_vertex(operation: &Operation, shortest: f32) -> Option<ByVertex
             let normal = plane.normal.normalize();
             Box::new(move |s| s.lengthened(trimmed(plane, normal, shortest, s)))
         }
-        Operation::Clump(_) | Operation::Smooth(_) => return None,
+        Operation::Clump(_) | Operation::Smooth(_) | Operation::Density(_) => return None,
     })
 }
 

@@ -66,6 +66,7 @@ pub struct Deviation {
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {
     /// Of [`Deviation::arc`]; positive.
     pub arc: f64,
