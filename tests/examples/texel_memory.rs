@@ -53,7 +53,7 @@ fn difference(texels: &[Arc<Texel>; 2], pixels: f32, lit_voxels: u32) -> Result<
     let draw = |texel: &Arc<Texel>| -> Result<Film, Box<dyn Error>> {
         let mesh = surface::plane(1.0, 1, 1);
         let skin = extrude(&mesh, &|_| true, &SkinOptions { tiling: Some(1.0), ..SkinOptions::new(1.0) })?;
-        let coats = vec![Coat { skin, texel: texel.clone(), tint: Vec3::ONE, wears_material: false }];
+        let coats = vec![Coat { skin, texels: texel.clone().into(), tint: Vec3::ONE, wears_material: false }];
         let (lights, environment) = (vec![staging::sun()], staging::sky());
         let (meshes, materials, textures) = (vec![mesh], vec![Material::default()], vec![]);
         let scene = Scene::new(Description { meshes, coats, materials, textures, lights, environment })?;

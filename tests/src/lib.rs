@@ -8,15 +8,20 @@ use std::sync::Arc;
 
 use pelage::geom::glam::{Vec2, Vec3};
 use pelage::geom::{Face, Material, MaterialId, Mesh};
-use pelage::skin::{Lattice, Patch, Skin};
+use pelage::skin::{Anchor, Lattice, Patch, Skin};
 use pelage::texel::{BuildOptions, Geometry, Texel, build};
 use pelage::tracer::{Camera, Coat, Description, Environment, Film, Scene, Settings, render};
 
 /// A skin of one box, between four corners below and four above (in the order A B C D, E F G H), filled by one
 /// texel.
 pub fn one_box(base: [Vec3; 4], top: [Vec3; 4]) -> Skin {
-    let patch =
-        Patch { vertices: [0, 1, 2, 3], face: 0, material: MaterialId::default(), lattice: Lattice::UNIT };
+    let patch = Patch {
+        vertices: [0, 1, 2, 3],
+        face: 0,
+        material: MaterialId::default(),
+        lattice: Lattice::UNIT,
+        anchor: Anchor::default(),
+    };
     Skin { base: base.into(), top: top.into(), patches: vec![patch], ..Skin::default() }
 }
 
@@ -110,9 +115,14 @@ pub fn expand(geometry: &Geometry, skin: &Skin, pieces: usize) -> Mesh {
 
 /// A scene of nothing but coats, meshes and a uniform white surrounding.
 pub fn scene(coats: Vec<(Skin, Arc<Texel>)>, meshes: Vec<Mesh>) -> Scene {
-    let coat = |(skin, texel)| Coat { skin, texel, tint: Vec3::ONE, wears_material: false };
+    let coats = coats.into_iter().map(|(skin, texel)| Coat {
+        skin,
+        texels: texel.into(),
+        tint: Vec3::ONE,
+        wears_material: false,
+    });
     Scene::new(Description {
-        coats: coats.into_iter().map(coat).collect(),
+        coats: coats.collect(),
         meshes,
         materials: vec![Material { base_color: Vec3::ONE, ..Material::default() }],
         textures: vec![],

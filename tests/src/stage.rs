@@ -68,7 +68,7 @@ pub fn bent() -> Skin {
 pub fn coat(skin: Skin, texel: Arc<Texel>) -> Scene {
     Scene::new(Description {
         meshes: vec![],
-        coats: vec![Coat { skin, texel, tint: Vec3::ONE, wears_material: false }],
+        coats: vec![Coat { skin, texels: texel.into(), tint: Vec3::ONE, wears_material: false }],
         materials: vec![Material { base_color: Vec3::ONE, ..Material::default() }],
         textures: vec![],
         lights: vec![],

@@ -17,7 +17,7 @@ fn torus() -> Scene {
         meshes: vec![mesh],
         coats: vec![Coat {
             skin,
-            texel: texel(&blades(60, 3), 5, true),
+            texels: texel(&blades(60, 3), 5, true).into(),
             tint: Vec3::ONE,
             wears_material: false,
         }],

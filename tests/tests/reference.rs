@@ -283,7 +283,7 @@ fn content_wears_what_the_surface_below_does() {
     skin.patches[0].material = MaterialId(0);
     let coat = Coat {
         skin,
-        texel: texel(&sheet(0.5, 0.0, Vec3::ONE), 3, true),
+        texels: texel(&sheet(0.5, 0.0, Vec3::ONE), 3, true).into(),
         tint: Vec3::new(1.0, 0.5, 1.0),
         wears_material: true,
     };

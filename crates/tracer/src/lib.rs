@@ -6,19 +6,24 @@
 #![warn(missing_docs)]
 
 mod accel;
+mod aov;
 mod camera;
 mod cone;
 mod film;
+mod hash;
 mod light;
 pub mod reference;
 mod render;
 mod scene;
 mod settings;
 mod surface;
+mod variety;
 
+pub use aov::{Aovs, render_aovs};
 pub use camera::Camera;
 pub use film::{Film, Pixel, Rect};
 pub use light::{Environment, Incoming, Light};
 pub use render::{MAX_PIXELS, Progress, RenderError, render};
 pub use scene::{Coat, Description, Scene, SceneError};
 pub use settings::{Lod, Opacity, Path, Rays, Settings};
+pub use variety::Variety;

@@ -198,7 +198,7 @@ fn median_depth(camera: &Camera, view: &View, alpha: f32) -> f32 {
 }
 
 /// Where in a pixel its rays go.
-fn offsets(rays: Rays) -> &'static [[f32; 2]] {
+pub(crate) fn offsets(rays: Rays) -> &'static [[f32; 2]] {
     // Rotated grids: as many different columns and rows as rays, so that nearly level edges are smooth too.
     const FOUR: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
     const SIXTEEN: [[f32; 2]; 16] = {

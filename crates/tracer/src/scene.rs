@@ -1,7 +1,5 @@
 //! The scene in memory: described by plain structs, compiled once, then only read.
 
-use std::sync::Arc;
-
 use glam::{Vec2, Vec3};
 use pelage_geom::{Hexahedron, Material, Mesh, MeshError, Texture};
 use pelage_skin::{Patch, Skin};
@@ -10,19 +8,34 @@ use pelage_texel::Texel;
 use crate::accel::Accel;
 use crate::reference::Lighting;
 use crate::surface::Surfaces;
-use crate::{Environment, Light};
+use crate::variety::Tile;
+use crate::{Environment, Light, Variety};
 
 /// A skin with the texel that fills its boxes.
 #[derive(Clone, Debug)]
 pub struct Coat {
     /// The boxes.
     pub skin: Skin,
-    /// What stands in each of them; shared, never copied.
-    pub texel: Arc<Texel>,
-    /// Multiplies the texel's colours.
+    /// What stands in the copies laid out on them: a texel, by `texel.into()`, or several; shared, never copied.
+    pub texels: Variety,
+    /// Multiplies the texels' colours.
     pub tint: Vec3,
-    /// Whether the base colour (and texture) of each patch's material multiplies the texel's colours too.
+    /// Whether the base colour (and texture) of each patch's material multiplies the texels' colours too.
     pub wears_material: bool,
+}
+
+impl Coat {
+    /// What stands in a copy of a patch's lattice, and how where copies differ.
+    #[inline]
+    pub(crate) fn standing(&self, patch: &Patch, copy: [i32; 2]) -> (&Texel, Option<Tile>) {
+        match self.texels.plain() {
+            Some(texel) => (texel, None),
+            None => {
+                let tile = self.texels.tile(&patch.anchor, copy);
+                (self.texels.of(&tile), Some(tile))
+            }
+        }
+    }
 }
 
 /// A scene as it is described: what [`Scene::new`] compiles.
@@ -56,6 +69,14 @@ pub enum SceneError {
         /// Which patch of its skin.
         patch: usize,
         /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// What a coat's copies hold cannot be chosen.
+    #[error("coat {coat}: {reason}")]
+    Variety {
+        /// Which coat.
+        coat: usize,
+        /// What is wrong.
         reason: &'static str,
     },
     /// A coat's tint, a material or the environment holds a number that is not finite or a negative colour.
@@ -157,6 +178,7 @@ impl Scene {
         let mut hexahedra = vec![];
         let mut reach = 0.0_f32;
         for (coat, c) in coats.iter().enumerate() {
+            c.texels.fault().map_or(Ok(()), |reason| Err(SceneError::Variety { coat, reason }))?;
             for (patch, p) in c.skin.patches.iter().enumerate() {
                 check_patch(&c.skin, p).map_err(|reason| SceneError::Patch { coat, patch, reason })?;
                 box_bounds.push(c.skin.bounds(patch));

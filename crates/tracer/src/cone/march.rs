@@ -1,12 +1,15 @@
 //! From chords to voxels: what a cone meets inside one box, at the two levels that fit its width. [seed §6, Neyret98]
 
+use glam::{IVec2, IVec3, Mat3, Vec3};
 use pelage_geom::{Cone, Ray};
 use pelage_texel::{Crossing, Line, Step, Texel};
 
 use super::lod::{Band, lambda};
 use super::passages::BoxPassage;
 use super::path::{Chord, LocalRay};
+use super::stretch::Stretches;
 use super::{Blend, Piece, Trail, VoxelKey};
+use crate::variety::Tile;
 use crate::{Opacity, Path, Scene, Settings};
 
 /// Two chords may differ by this much of a level before one level for both would show.
@@ -25,50 +28,64 @@ pub(crate) struct Beam<'a> {
 pub(crate) fn march(scene: &Scene, beam: Beam, passage: &BoxPassage, trail: &mut Trail) -> f32 {
     let Beam { ray, cone, settings } = beam;
     let (coat, patch) = scene.patch(passage.patch);
-    let texel = &coat.texel;
+    let texels = &coat.texels;
     let local = LocalRay::new(scene.hexahedron(passage.patch).map(), patch.lattice, ray);
 
-    let level_at = |end: usize| {
-        let jacobian = local.texel_jacobian(passage.u[end].as_vec3());
-        lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end])
-            .clamp(0.0, texel.depth() as f32)
+    let jacobians = passage.u.map(|u| local.texel_jacobian(u.as_vec3()));
+    // At both ends, for a texel of this height.
+    let levels_of = |height: f32| {
+        [0, 1].map(|end| {
+            let Mat3 { x_axis, y_axis, z_axis } = jacobians[end];
+            let jacobian = Mat3 { x_axis, y_axis, z_axis: height * z_axis };
+            lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end])
+                .clamp(0.0, texels.depth() as f32)
+        })
     };
-    let levels = [level_at(0), level_at(1)];
-    let finest = Band::of(levels[0].max(levels[1]), texel.depth()).finest();
+    let levels = levels_of(1.0);
+    let finest = Band::of(levels[0].max(levels[1]), texels.depth()).finest();
     let least = ((levels[1] - levels[0]).abs() / LEVELS_PER_CHORD).ceil() as usize;
 
-    let first = trail.chords.len();
+    let Trail { pieces, chords } = trail;
+    let first = chords.len();
     match settings.path {
         Path::Curved => {
             let tolerance = settings.path_tolerance / (1_u32 << finest) as f32;
-            local.chords(passage, tolerance, least, &mut trail.chords);
+            local.chords(passage, tolerance, least, chords);
         }
-        Path::Straight => local.straight(passage, least, &mut trail.chords),
+        Path::Straight => local.straight(passage, least, chords),
     }
 
     let span = (passage.t[1] - passage.t[0]).max(f64::MIN_POSITIVE);
-    let mut blend = Blend::START;
-    let begin = trail.pieces.len();
-    for index in first..trail.chords.len() {
-        let chord = trail.chords[index];
-        let middle = ((0.5 * (chord.t[0] + chord.t[1]) - passage.t[0]) / span) as f32;
-        let band = Band::of(levels[0] + (levels[1] - levels[0]) * middle, texel.depth());
-        for (l, weight) in band.levels() {
-            let walker = Walker {
-                texel,
-                patch: passage.patch,
-                opacity: settings.opacity,
-                level: l,
-                even: if l % 2 == 0 { weight } else { 1.0 - weight },
-            };
-            walker.walk(index as u32, &chord, settings.min_transmittance, &mut blend, &mut trail.pieces);
+    let level_between = |levels: [f32; 2], t: [f64; 2]| {
+        let middle = ((0.5 * (t[0] + t[1]) - passage.t[0]) / span) as f32;
+        levels[0] + (levels[1] - levels[0]) * middle
+    };
+    let begin = pieces.len();
+    let mut walker = Walker { settings, patch: passage.patch, blend: Blend::START, pieces };
+    for (index, chord) in chords.iter().enumerate().skip(first) {
+        if let Some(texel) = texels.plain() {
+            let whole = Filled { texel, tile: None, range: [0.0, 1.0], at: chord.at };
+            walker.walk(index as u32, chord, &whole, level_between(levels, chord.t));
+        } else {
+            for stretch in Stretches::of(chord) {
+                let tile = texels.tile(&patch.anchor, stretch.copy);
+                let levels = if tile.height == 1.0 { levels } else { levels_of(tile.height) };
+                let at = chord.points(stretch.range).map(|p| tile.within(p));
+                let part = Filled { texel: texels.of(&tile), tile: Some(&tile), range: stretch.range, at };
+                let t = chord.distances(stretch.range);
+                walker.walk(index as u32, chord, &part, level_between(levels, t));
+                if walker.is_done() {
+                    break;
+                }
+            }
         }
-        if blend.transmittance() < settings.min_transmittance {
+        if walker.is_done() {
             break;
         }
     }
+    let Walker { blend, pieces, .. } = walker;
     // Stable: at equal distances, the coarser level first.
-    trail.pieces[begin..].sort_by(|a, b| a.t.total_cmp(&b.t));
+    pieces[begin..].sort_by(|a, b| a.t.total_cmp(&b.t));
     blend.transmittance()
 }
 
@@ -81,33 +98,59 @@ pub(crate) fn through(opacity: Opacity, depth: f32) -> f32 {
     }
 }
 
-/// Walks the chords of one passage at one level.
-struct Walker<'a> {
+/// A part of a chord, and the texel that it goes through.
+struct Filled<'a> {
     texel: &'a Texel,
+    /// How the texel stands in the copy that the part ends with; `None` where all copies are alike.
+    tile: Option<&'a Tile>,
+    /// Which part of the chord.
+    range: [f32; 2],
+    /// Its ends, in the texel's own coordinates.
+    at: [Vec3; 2],
+}
+
+/// Walks along the chords of one passage.
+struct Walker<'a> {
+    settings: &'a Settings,
     patch: u32,
-    opacity: Opacity,
-    level: u32,
-    /// Weight of the even level in use.
-    even: f32,
+    blend: Blend,
+    pieces: &'a mut Vec<Piece>,
 }
 
 impl Walker<'_> {
-    fn walk(&self, index: u32, chord: &Chord, least: f32, blend: &mut Blend, pieces: &mut Vec<Piece>) {
-        let Some(level) = self.texel.levels().get(self.level as usize) else { return };
-        let [from, to] = chord.at.map(|at| at * level.resolution() as f32);
+    fn is_done(&self) -> bool {
+        self.blend.transmittance() < self.settings.min_transmittance
+    }
+
+    /// Along a part of a chord, at the two levels around the continuous level `lambda`.
+    fn walk(&mut self, index: u32, chord: &Chord, part: &Filled, lambda: f32) {
+        for (l, weight) in Band::of(lambda, part.texel.depth()).levels() {
+            self.walk_at(l, if l % 2 == 0 { weight } else { 1.0 - weight }, index, chord, part);
+        }
+    }
+
+    /// At one level, where `even` is the weight of the even one in use.
+    fn walk_at(&mut self, l: u32, even: f32, index: u32, chord: &Chord, part: &Filled) {
+        let Some(level) = part.texel.levels().get(l as usize) else { return };
+        let [from, to] = part.at.map(|at| at * level.resolution() as f32);
         let line = Line::new(from, to - from);
         let [a, b] = chord.t;
-        let l = self.level as u8;
-        for Step { cell, voxel, enter, leave } in level.walk(from, to) {
+        let [begin, end] = part.range;
+        let (steps, before) = match part.tile {
+            None => (level.walk(from, to), IVec3::ZERO),
+            Some(tile) => (level.walk_alone(from, to), IVec2::from(tile.copy).extend(0) << l),
+        };
+        for Step { cell, voxel, enter, leave } in steps {
             let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else {
                 continue;
             };
-            let through = through(self.opacity, depth);
-            let key = VoxelKey { patch: self.patch, level: l, cell: cell.to_array() };
+            let range = range.map(|x| begin + (end - begin) * x);
+            let through = through(self.settings.opacity, depth);
+            let key = VoxelKey { patch: self.patch, level: l as u8, cell: (cell + before).to_array() };
             let t = (a + (b - a) * f64::from(range[0])) as f32;
-            pieces.push(Piece { key, voxel, even: self.even, depth, through, t, chord: index, range });
-            blend.pass(l, self.even, through);
-            if blend.left(l) < least {
+            self.pieces.push(Piece { key, voxel, even, depth, through, t, chord: index, range });
+            self.blend.pass(l as u8, even, through);
+            if self.blend.left(l as u8) < self.settings.min_transmittance {
                 break;
             }
         }

@@ -4,7 +4,8 @@
 //!
 //! 1. [`passages`]: which boxes its axis goes through, from where to where;
 //! 2. [`path`]: through each box, the curve that the straight axis is in texel space, in exact chords;
-//! 3. [`march`]: along the chords, the voxels of the levels that fit the cone's width ([`lod`]), as a [`Trail`];
+//! 3. [`march`]: along the chords, the voxels of the levels that fit the cone's width ([`lod`]), as a [`Trail`]; where
+//!    copies of the texel differ, copy by copy ([`stretch`]);
 //! 4. [`composite`]: the trails of all boxes merged by distance, front to back, cut by opaque surfaces.
 //!
 //! [`shadow`] does the same towards a light, where only the transmittance matters, and [`shade`] lights what
@@ -17,6 +18,7 @@ pub(crate) mod passages;
 pub(crate) mod path;
 pub(crate) mod shade;
 pub(crate) mod shadow;
+mod stretch;
 
 use glam::Vec3;
 
@@ -29,8 +31,23 @@ pub(crate) struct VoxelKey {
     pub patch: u32,
     /// Level of the texel.
     pub level: u8,
-    /// The voxel within that level; s and t may lie in another copy of the texel.
+    /// The voxel within that level; s and t may lie in another copy of the texel. Where copies differ, it is the voxel
+    /// of the copy's own texel, plus the whole copies before it.
     pub cell: [i32; 3],
+}
+
+impl VoxelKey {
+    /// The copy that it lies in.
+    #[inline]
+    pub fn copy(&self) -> [i32; 2] {
+        [self.cell[0] >> self.level, self.cell[1] >> self.level]
+    }
+
+    /// The voxel in that copy.
+    #[inline]
+    pub fn within(&self) -> [i32; 3] {
+        self.cell.map(|c| c & ((1 << self.level) - 1))
+    }
 }
 
 /// The part of a ray inside the matter of one voxel.
@@ -67,14 +84,12 @@ impl Trail {
 
     /// Where the ray enters and leaves the matter of a piece: distances, in scene units.
     pub fn distances(&self, piece: &Piece) -> [f32; 2] {
-        let [a, b] = self.chords[piece.chord as usize].t;
-        piece.range.map(|x| (a + (b - a) * f64::from(x)) as f32)
+        self.chords[piece.chord as usize].distances(piece.range).map(|t| t as f32)
     }
 
     /// The same, in texel coordinates (s, t, w).
     pub fn points(&self, piece: &Piece) -> [Vec3; 2] {
-        let [a, b] = self.chords[piece.chord as usize].at;
-        piece.range.map(|x| a.lerp(b, x))
+        self.chords[piece.chord as usize].points(piece.range)
     }
 }
 

@@ -49,6 +49,20 @@ pub(crate) struct Chord {
     pub at: [Vec3; 2],
 }
 
+impl Chord {
+    /// Distances at fractions of it, in scene units.
+    pub fn distances(&self, range: [f32; 2]) -> [f64; 2] {
+        let [a, b] = self.t;
+        range.map(|x| a + (b - a) * f64::from(x))
+    }
+
+    /// Texel coordinates at fractions of it.
+    pub fn points(&self, range: [f32; 2]) -> [Vec3; 2] {
+        let [a, b] = self.at;
+        range.map(|x| a.lerp(b, x))
+    }
+}
+
 impl LocalRay {
     /// The frame of the box whose corners are `map` (scene space), with the texel laid out by `lattice`.
     pub fn new(map: &pelage_geom::DTrilinear, lattice: Lattice, ray: &Ray) -> Self {

@@ -25,7 +25,8 @@ impl Shader {
     /// The radiance of a voxel's visible matter towards the eye.
     pub fn voxel(&mut self, scene: &Scene, settings: &Settings, seen: &SeenVoxel) -> Vec3 {
         let (coat, patch) = scene.patch(seen.key.patch);
-        let level = coat.texel.level(u32::from(seen.key.level));
+        let (texel, tile) = coat.standing(patch, seen.key.copy());
+        let level = texel.level(u32::from(seen.key.level));
         let voxel = level.voxel(seen.voxel);
         let hexahedron = scene.hexahedron(seen.key.patch);
         let scale = level.resolution() as f32;
@@ -35,7 +36,9 @@ impl Shader {
         let u = to_box(&patch.lattice, at).as_dvec3();
         let point = hexahedron.map().point(u);
         let to_lattice = Mat3::from_cols(patch.lattice.u.extend(0.0), patch.lattice.v.extend(0.0), Vec3::Z);
-        let jacobian = hexahedron.map().jacobian(u).as_mat3() * to_lattice.inverse();
+        // Where copies differ, on to the texel of this one.
+        let to_texel = tile.map_or(to_lattice, |tile| tile.steps().as_mat3() * to_lattice);
+        let jacobian = hexahedron.map().jacobian(u).as_mat3() * to_texel.inverse();
         let inverse = jacobian.inverse();
         if !inverse.is_finite() {
             return Vec3::ZERO; // the corner of a box that has no volume there: it has no normals either
@@ -43,7 +46,8 @@ impl Shader {
         let view = -seen.direction.normalize_or(Vec3::NEG_Y);
 
         let tint = coat.tint * surface_colour(scene, coat, seen, u.as_vec3(), 1.0 / scale);
-        let [specular, exponent] = [coat.texel.specular, exponent_of_roughness(coat.texel.roughness)];
+        let tint = tile.map_or(tint, |tile| tile.tint * tint);
+        let [specular, exponent] = [texel.specular, exponent_of_roughness(texel.roughness)];
         self.surfels.clear();
         self.surfels.extend(level.surfels(seen.voxel));
         let facing =
@@ -69,7 +73,7 @@ impl Shader {
         } else {
             0.0
         };
-        let openness = coat.texel.openness(seen.key.level.into(), seen.key.cell.into());
+        let openness = texel.openness(seen.key.level.into(), seen.key.within().into());
         let surfels = &self.surfels;
         let sky = |v: &Visible| match v.point {
             Some(point) if settings.shadows => {

@@ -7,6 +7,7 @@ use pelage_geom::{DTrilinear, Hexahedron};
 use pelage_skin::Lattice;
 
 use super::polygon::{Polygon, doubled_area};
+use crate::variety::Tile;
 
 /// Copies of the texel: columns in s, rows in t.
 pub(super) type Copies = [Range<i32>; 2];
@@ -45,8 +46,8 @@ impl Carrier {
     /// Halvings of a triangle at most: enough for [`Carrier::FINEST`] of any box, in both directions.
     const MOST_HALVINGS: u32 = 24;
 
-    /// `periodic` content fills every copy that reaches into the patch, other content only the copy (0, 0).
-    pub(super) fn new(hexahedron: &Hexahedron, lattice: &Lattice, periodic: bool, tolerance: f64) -> Self {
+    /// Content may fill every copy that reaches into the patch, or only the copy (0, 0).
+    pub(super) fn new(hexahedron: &Hexahedron, lattice: &Lattice, every_copy: bool, tolerance: f64) -> Self {
         let map = hexahedron.map();
         let own =
             if hexahedron.is_prism() { [0, 1, 2, 4, 5, 6].as_slice() } else { &[0, 1, 2, 3, 4, 5, 6, 7] };
@@ -74,7 +75,7 @@ impl Carrier {
             .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)]);
         let copies = [0, 1].map(|axis| {
             let whole = reached[0][axis].floor() as i32..reached[1][axis].ceil() as i32;
-            if periodic { whole } else { whole.start.max(0)..whole.end.min(1) }
+            if every_copy { whole } else { whole.start.max(0)..whole.end.min(1) }
         });
         Self {
             corners: map.corners.map(|c| c.as_vec3a()),
@@ -99,15 +100,14 @@ impl Carrier {
     }
 
     /// Box coordinates of a point of a copy.
-    pub(super) fn in_box(&self, copy: [i32; 2], p: DVec3) -> DVec3 {
-        let copy = DVec2::new(f64::from(copy[0]), f64::from(copy[1]));
-        (self.to_box * (p.truncate() + copy - self.lattice_origin)).extend(p.z)
+    pub(super) fn in_box(&self, tile: &Tile, p: DVec3) -> DVec3 {
+        let p = tile.outside(p);
+        (self.to_box * (p.truncate() - self.lattice_origin)).extend(p.z)
     }
 
     /// Texel coordinates of a point of the box, in a copy.
-    pub(super) fn in_texel(&self, copy: [i32; 2], u: DVec3) -> DVec3 {
-        let copy = DVec2::new(f64::from(copy[0]), f64::from(copy[1]));
-        (self.to_texel * u.truncate() + self.lattice_origin - copy).extend(u.z)
+    pub(super) fn in_texel(&self, tile: &Tile, u: DVec3) -> DVec3 {
+        tile.inside((self.to_texel * u.truncate() + self.lattice_origin).extend(u.z))
     }
 
     /// Whether box coordinates lie in the box.
@@ -116,23 +116,23 @@ impl Carrier {
         u.cmpge(DVec3::ZERO).all() && far <= 1.0 && u.z <= 1.0
     }
 
-    /// What a step along each texel axis moves in the scene, at box coordinates: T is linear along each box coordinate,
-    /// so differences from end to end are exact.
-    pub(super) fn tangents(&self, u: DVec3) -> DMat3 {
+    /// What a step along each axis of a copy's texel moves in the scene, at box coordinates: T is linear along each box
+    /// coordinate, so differences from end to end are exact.
+    pub(super) fn tangents(&self, tile: &Tile, u: DVec3) -> DMat3 {
         let [along_u, along_v, along_w] =
             [0, 1, 2].map(|axis| self.point(with(u, axis, 1.0)) - self.point(with(u, axis, 0.0)));
         let [s, t] = [self.to_box.x_axis, self.to_box.y_axis].map(|step| step.x * along_u + step.y * along_v);
-        DMat3::from_cols(s, t, along_w)
+        tile.carried(DMat3::from_cols(s, t, along_w))
     }
 
     /// The unit normal, either side, of the curved image of a triangle of a copy at box coordinates; `None` where the
     /// image has no area.
     ///
     /// Along the triangle's plane T is a cubic, whose tangents central differences give but for their third derivative.
-    pub(super) fn normal(&self, at: DVec3, copy: [i32; 2], corners: &[DVec3; 3]) -> Option<Vec3> {
+    pub(super) fn normal(&self, at: DVec3, tile: &Tile, corners: &[DVec3; 3]) -> Option<Vec3> {
         // Texel units: differences lose a millionth to the cubic's curvature, and 10⁻¹² to rounding.
         const STEP: f64 = 1e-4;
-        let [a, b, c] = corners.map(|p| self.in_box(copy, p));
+        let [a, b, c] = corners.map(|p| self.in_box(tile, p));
         let tangent = |along: DVec3| {
             let step = STEP * along.normalize_or_zero();
             self.point(at + step) - self.point(at - step)
@@ -140,9 +140,15 @@ impl Carrier {
         tangent(b - a).cross(tangent(c - a)).try_normalize().map(|n| n.as_vec3())
     }
 
-    /// Bounds, in the box's own frame, of what lies between the texel coordinates `lo` and `hi` and in the box;
+    /// Bounds of what lies between the texel coordinates `lo` and `hi` of a copy and in the box.
+    pub(super) fn bounds_in(&self, tile: &Tile, lo: DVec3, hi: DVec3) -> Option<[Vec3A; 2]> {
+        let [a, b] = [lo, hi].map(|p| tile.outside(p));
+        self.bounds_of_lattice(a.min(b), a.max(b))
+    }
+
+    /// Bounds, in the box's own frame, of what lies between the lattice coordinates `lo` and `hi` and in the box;
     /// `None` if nothing does.
-    pub(super) fn bounds_of_texel(&self, lo: DVec3, hi: DVec3) -> Option<[Vec3A; 2]> {
+    pub(super) fn bounds_of_lattice(&self, lo: DVec3, hi: DVec3) -> Option<[Vec3A; 2]> {
         let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
         let at = self.to_box * (middle.truncate() - self.lattice_origin);
         let reach = DMat2::from_cols(self.to_box.x_axis.abs(), self.to_box.y_axis.abs()) * half.truncate();
@@ -182,8 +188,8 @@ impl Carrier {
     }
 
     /// The parts of a triangle of a copy that lie in the box, in box coordinates.
-    pub(super) fn clipped(&self, copy: [i32; 2], corners: &[DVec3; 3], mut part: impl FnMut([DVec3; 3])) {
-        let corners = corners.map(|p| self.in_box(copy, p));
+    pub(super) fn clipped(&self, tile: &Tile, corners: &[DVec3; 3], mut part: impl FnMut([DVec3; 3])) {
+        let corners = corners.map(|p| self.in_box(tile, p));
         let planes = [
             (DVec3::X, 0.0),
             (DVec3::Y, 0.0),
@@ -273,7 +279,8 @@ mod tests {
             for s in carrier.copies[0].clone() {
                 for t in carrier.copies[1].clone() {
                     for half in &halves {
-                        carrier.clipped([s, t], half, |part| area += 0.5 * doubled_area(&part));
+                        carrier
+                            .clipped(&Tile::upright([s, t]), half, |part| area += 0.5 * doubled_area(&part));
                     }
                 }
             }
@@ -313,15 +320,15 @@ mod tests {
             1.0,
         );
         let (lo, hi) = (DVec3::new(0.4, 0.3, 0.2), DVec3::new(0.7, 0.8, 0.6));
-        let [a, b] = carrier.bounds_of_texel(lo, hi).expect("it meets the box");
+        let [a, b] = carrier.bounds_of_lattice(lo, hi).expect("it meets the box");
         for i in 0..1000 {
             let f = |k: u32| f64::from(i * k % 101) / 100.0;
-            let p = carrier.in_box([0, 0], lo + DVec3::new(f(1), f(7), f(31)) * (hi - lo));
+            let p = carrier.in_box(&Tile::upright([0, 0]), lo + DVec3::new(f(1), f(7), f(31)) * (hi - lo));
             if p.cmpge(DVec3::ZERO).all() && p.cmple(DVec3::ONE).all() {
                 let q = carrier.point(p).as_vec3a();
                 assert!(q.cmpge(a).all() && q.cmple(b).all());
             }
         }
-        assert!(carrier.bounds_of_texel(DVec3::splat(9.0), DVec3::splat(9.5)).is_none());
+        assert!(carrier.bounds_of_lattice(DVec3::splat(9.0), DVec3::splat(9.5)).is_none());
     }
 }

@@ -92,6 +92,11 @@ impl Filling {
         }
     }
 
+    /// Whether there is nothing of it.
+    pub(super) fn is_empty(&self) -> bool {
+        matches!(self, Self::Triangles(content) if content.tree.nodes.is_empty())
+    }
+
     /// Bytes held.
     pub(super) fn memory(&self) -> u64 {
         match self {

@@ -1,5 +1,7 @@
 //! The explicit content of all boxes, triangle by triangle.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -8,6 +10,7 @@ use super::content::{Filling, Piece};
 use super::world::World;
 use super::{Fineness, ReferenceError, ReferenceSettings};
 use crate::Scene;
+use crate::variety::Tile;
 
 /// A triangle of explicit geometry, where it stands in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +24,7 @@ pub struct Carried {
     pub colors: [Vec3; 3],
 }
 
-/// What an expansion has of one coat, or of all opaque meshes.
+/// What an expansion has of one texel of one coat, or of all opaque meshes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The texel's name, or `surfaces`.
@@ -41,6 +44,15 @@ pub struct Part {
 pub struct Expansion<'a> {
     world: World<'a>,
     parts: Vec<Part>,
+    /// Of each part but the last.
+    origins: Vec<Origin>,
+}
+
+/// Which content a part is.
+struct Origin {
+    boxes: Range<u32>,
+    /// Which of the coat's texels.
+    texel: usize,
 }
 
 impl<'a> Expansion<'a> {
@@ -50,32 +62,37 @@ impl<'a> Expansion<'a> {
     /// # Errors
     /// Texels without source, whose source is not sound, or that are densities.
     pub fn new(scene: &'a Scene, fineness: Fineness) -> Result<Self, ReferenceError> {
-        let density = scene.coats.iter().position(|coat| coat.texel.source().density().is_some());
-        if let Some(coat) = density {
-            let texel = scene.coats[coat].texel.name.clone();
-            return Err(ReferenceError::Density { coat, texel });
+        for (coat, c) in scene.coats.iter().enumerate() {
+            if let Some((texel, _)) =
+                c.texels.texels.iter().find(|(texel, _)| texel.source().density().is_some())
+            {
+                return Err(ReferenceError::Density { coat, texel: texel.name.clone() });
+            }
         }
         let world = World::new(scene, fineness, ReferenceSettings::default().memory)?;
-        let mut parts = Vec::new();
+        let (mut parts, mut origins) = (Vec::new(), Vec::new());
         for (coat, boxes) in scene.boxes_of_coats().enumerate() {
-            let counted = boxes.into_par_iter().map(|patch| {
-                let mut size = Size::NONE;
-                visit_box(&world, patch, &mut |_, carrier, triangle| {
-                    size.add(&triangle.map(|u| (carrier.point(u) + carrier.centre).as_vec3()));
+            let texels = &scene.coats[coat].texels.texels;
+            for (number, (texel, _)) in texels.iter().enumerate() {
+                let counted = boxes.clone().into_par_iter().map(|patch| {
+                    let mut size = Size::NONE;
+                    visit_box(&world, patch, number, &mut |_, carrier, triangle| {
+                        size.add(&triangle.map(|u| (carrier.point(u) + carrier.centre).as_vec3()));
+                    });
+                    size
                 });
-                size
-            });
-            let size = counted.reduce(|| Size::NONE, Size::with);
-            let texel = &scene.coats[coat].texel;
-            parts.push(size.part(&texel.name, texel.roughness));
+                let size = counted.reduce(|| Size::NONE, Size::with);
+                parts.push(size.part(&texel.name, texel.roughness));
+                origins.push(Origin { boxes: boxes.clone(), texel: number });
+            }
         }
         let mut size = Size::NONE;
         scene.surfaces.triangles().for_each(|t| size.add(&t.corners));
         parts.push(size.part("surfaces", 0.6));
-        Ok(Self { world, parts })
+        Ok(Self { world, parts, origins })
     }
 
-    /// The coats in their order, then the opaque meshes.
+    /// The coats in their order, each of their texels in theirs, then the opaque meshes.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
@@ -90,7 +107,7 @@ impl<'a> Expansion<'a> {
     pub fn visit<E>(&self, part: usize, mut visit: impl FnMut(&Carried) -> Result<(), E>) -> Result<(), E> {
         let scene = self.world.scene;
         let mut outcome = Ok(());
-        let Some(boxes) = scene.boxes_of_coats().nth(part) else {
+        let Some(Origin { boxes, texel }) = self.origins.get(part) else {
             let mut triangles = scene.surfaces.triangles();
             return triangles.try_for_each(|t| {
                 let material = scene.materials.get(t.material.0 as usize);
@@ -98,8 +115,8 @@ impl<'a> Expansion<'a> {
                 visit(&Carried { corners: t.corners, normals: t.normals, colors: t.uvs.map(color) })
             });
         };
-        for patch in boxes {
-            visit_box(&self.world, patch, &mut |at, carrier, triangle| {
+        for patch in boxes.clone() {
+            visit_box(&self.world, patch, *texel, &mut |at, carrier, triangle| {
                 if outcome.is_ok() {
                     outcome = visit(&carried(&self.world, patch, at, carrier, triangle));
                 }
@@ -116,22 +133,27 @@ impl<'a> Expansion<'a> {
 #[derive(Clone, Copy)]
 struct Copied<'a> {
     piece: &'a Piece,
-    copy: [i32; 2],
+    tile: &'a Tile,
 }
 
-/// Visits the flat triangles of a box, in box coordinates.
-fn visit_box(world: &World, patch: u32, visit: &mut dyn FnMut(Copied, &Carrier, &[DVec3; 3])) {
-    let (Filling::Triangles(content), carrier) = world.filled(patch) else { return };
+/// Visits the flat triangles of one of the texels of a box, in box coordinates.
+fn visit_box(world: &World, patch: u32, texel: usize, visit: &mut dyn FnMut(Copied, &Carrier, &[DVec3; 3])) {
+    let filled = world.filled(patch);
+    let carrier = &filled.carrier;
     let mut open = Vec::new();
     for t in carrier.copies[1].clone() {
         for s in carrier.copies[0].clone() {
+            let (Filling::Triangles(content), tile) = filled.tile([s, t]) else { continue };
+            if tile.texel != texel {
+                continue;
+            }
             for piece in &content.pieces {
-                let at = Copied { piece, copy: [s, t] };
-                carrier.clipped(at.copy, &piece.corners, |part| open.push((part, 0)));
+                let at = Copied { piece, tile: &tile };
+                carrier.clipped(&tile, &piece.corners, |part| open.push((part, 0)));
                 while let Some((triangle, halvings)) = open.pop() {
                     match carrier.halves(&triangle, halvings) {
                         Some(halves) => open.extend(halves.map(|half| (half, halvings + 1))),
-                        None => visit(at, &carrier, &triangle),
+                        None => visit(at, carrier, &triangle),
                     }
                 }
             }
@@ -144,10 +166,11 @@ fn carried(world: &World, patch: u32, at: Copied, carrier: &Carrier, triangle: &
     let [a, b, c] = triangle.map(|u| carrier.point(u));
     let flat = (b - a).cross(c - a).normalize_or(DVec3::Y).as_vec3();
     let normals = triangle.map(|u| {
-        let normal = carrier.normal(u, at.copy, &at.piece.corners).unwrap_or(flat);
+        let normal = carrier.normal(u, at.tile, &at.piece.corners).unwrap_or(flat);
         if normal.dot(flat) < 0.0 { -normal } else { normal }
     });
-    Carried { corners, normals, colors: triangle.map(|u| at.piece.color * world.worn(patch, u)) }
+    let color = at.piece.color * at.tile.tint;
+    Carried { corners, normals, colors: triangle.map(|u| color * world.worn(patch, u)) }
 }
 
 /// How much there is of something.

@@ -10,6 +10,8 @@ use glam::{DMat3, DVec3, Vec3};
 use pelage_texel::Density;
 
 use super::carrier::Carrier;
+use crate::hash::finish;
+use crate::variety::Tile;
 
 /// A density and the most that each cell of its octree holds.
 pub(super) struct Medium {
@@ -107,18 +109,12 @@ impl Random {
     }
 }
 
-fn finish(z: u64) -> u64 {
-    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ z >> 31
-}
-
 /// A cell's image in a box.
 pub(super) struct Image<'a> {
     medium: &'a Medium,
     carrier: &'a Carrier,
     /// Which copy of the texel.
-    copy: [i32; 2],
+    tile: &'a Tile,
     lo: DVec3,
     edge: f64,
     /// The most extinction in it, per texel edge.
@@ -132,14 +128,14 @@ pub(super) struct Image<'a> {
 const MARGIN: f64 = 1.25;
 
 impl<'a> Image<'a> {
-    pub(super) fn new(medium: &'a Medium, carrier: &'a Carrier, copy: [i32; 2], cell: Cell) -> Self {
+    pub(super) fn new(medium: &'a Medium, carrier: &'a Carrier, tile: &'a Tile, cell: Cell) -> Self {
         let (lo, edge) = cell.place();
         let inverses = [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|i| {
             let within = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1));
             let within = if i == 8 { DVec3::splat(0.5) } else { within };
-            carrier.tangents(carrier.in_box(copy, lo + edge * within)).inverse()
+            carrier.tangents(tile, carrier.in_box(tile, lo + edge * within)).inverse()
         });
-        Self { medium, carrier, copy, lo, edge, most: medium.most(cell), inverses }
+        Self { medium, carrier, tile, lo, edge, most: medium.most(cell), inverses }
     }
 
     /// Where a ray (relative to the box's frame) is first stopped between the distances `from` and `to`: the distance, and
@@ -176,8 +172,8 @@ impl<'a> Image<'a> {
         const STEPS: usize = 12;
         let mut p = self.lo + 0.5 * self.edge;
         for _ in 0..STEPS {
-            let u = self.carrier.in_box(self.copy, p);
-            let inverse = self.carrier.tangents(u).inverse();
+            let u = self.carrier.in_box(self.tile, p);
+            let inverse = self.carrier.tangents(self.tile, u).inverse();
             let off = inverse * (point - self.carrier.point(u));
             if !off.is_finite() {
                 return None;
@@ -194,11 +190,11 @@ impl<'a> Image<'a> {
 }
 
 /// The unit normal of the density at box coordinates, in the scene: the gradient goes by the inverse transpose, whose
-/// columns are the cross products of the tangents.
-pub(super) fn normal(medium: &Medium, carrier: &Carrier, copy: [i32; 2], u: DVec3) -> Vec3 {
-    let n = medium.density.normal(carrier.in_texel(copy, u));
-    let t = carrier.tangents(u);
+/// columns are the cross products of the tangents, over the determinant: negative where the texel is mirrored.
+pub(super) fn normal(medium: &Medium, carrier: &Carrier, tile: &Tile, u: DVec3) -> Vec3 {
+    let n = medium.density.normal(carrier.in_texel(tile, u));
+    let t = carrier.tangents(tile, u);
     let cofactor =
         DMat3::from_cols(t.y_axis.cross(t.z_axis), t.z_axis.cross(t.x_axis), t.x_axis.cross(t.y_axis));
-    (cofactor * n).normalize_or(DVec3::Y).as_vec3()
+    (t.determinant().signum() * (cofactor * n)).normalize_or(DVec3::Y).as_vec3()
 }

@@ -40,7 +40,9 @@ impl Seen {
     pub(super) fn content(world: &World, ray: &Ray, hit: &Hit, pixel: [u32; 2], sample: u32) -> Self {
         let scene = world.scene;
         let (coat, _) = scene.patch(hit.patch);
-        let (filling, carrier) = world.filled(hit.patch);
+        let filled = world.filled(hit.patch);
+        let (carrier, (filling, tile)) = (&filled.carrier, filled.tile(hit.copy));
+        let texel = coat.texels.of(&tile);
         let view = -ray.direction.as_vec3();
         let point = ray.at(hit.t);
         let (normal, flat, color, off) = match (filling, hit.met) {
@@ -48,14 +50,14 @@ impl Seen {
                 let piece = &content.pieces[piece as usize];
                 let facing = |n: Vec3, to: Vec3| if n.dot(to) < 0.0 { -n } else { n };
                 let flat = facing(flat.normalize_or(view), view);
-                let normal = facing(carrier.normal(hit.at, hit.copy, &piece.corners).unwrap_or(flat), flat);
+                let normal = facing(carrier.normal(hit.at, &tile, &piece.corners).unwrap_or(flat), flat);
                 // Triangles are exact in the box's frame: off them by what rounding in the scene may amount to.
                 (normal, flat, piece.color, 1e-8 * carrier.radius + scene.rounding())
             }
             // A density is lit on the side of its normal, from wherever it is seen, and has no surface to be off.
             (Filling::Density(medium), _) => {
-                let normal = medium::normal(medium, &carrier, hit.copy, hit.at);
-                let color = medium.density.color(carrier.in_texel(hit.copy, hit.at));
+                let normal = medium::normal(medium, carrier, &tile, hit.at);
+                let color = medium.density.color(carrier.in_texel(&tile, hit.at));
                 (normal, normal, color, 0.0)
             }
             // No ray meets triangles in a density, or the reverse.
@@ -69,9 +71,9 @@ impl Seen {
             view,
             normal,
             flat,
-            albedo: color * world.worn(hit.patch, hit.at),
-            specular: coat.texel.specular,
-            exponent: exponent_of_roughness(coat.texel.roughness),
+            albedo: color * tile.tint * world.worn(hit.patch, hit.at),
+            specular: texel.specular,
+            exponent: exponent_of_roughness(texel.roughness),
             emissive: Vec3::ZERO,
         }
     }

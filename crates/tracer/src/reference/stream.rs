@@ -13,8 +13,9 @@ use pelage_geom::Ray;
 use super::carrier::{Carrier, Copies};
 use super::content::{Content, Filling};
 use super::medium::{Cell, Image, Medium, Random};
-use super::world::World;
+use super::world::{Filled, World};
 use crate::surface::intersect;
+use crate::variety::Tile;
 
 /// A ray, how far it goes, and what it has met first.
 pub(super) struct Query {
@@ -166,10 +167,11 @@ impl Stream {
 
     /// Sends the rays of `list` through a box.
     fn enter(&mut self, world: &World, queries: &mut [Query], any: bool, patch: u32, list: Range<usize>) {
-        let (filling, carrier) = world.filled(patch);
-        if matches!(filling, Filling::Triangles(content) if content.tree.nodes.is_empty()) {
+        let filled = world.filled(patch);
+        if filled.is_empty() {
             return;
         }
+        let carrier = &filled.carrier;
         self.inside.clear();
         self.inside_slabs.clear();
         self.inside_lists.clear();
@@ -185,8 +187,8 @@ impl Stream {
         }
         self.inside_lists.extend(0..self.inside.len() as u32);
         let mut box_ = InBox {
-            filling,
-            carrier: &carrier,
+            filled: &filled,
+            carrier,
             patch,
             any,
             queries,
@@ -205,7 +207,7 @@ impl Stream {
 
 /// The rays in one box, on their way down the tree of its texel.
 struct InBox<'a> {
-    filling: &'a Filling,
+    filled: &'a Filled<'a>,
     carrier: &'a Carrier,
     patch: u32,
     any: bool,
@@ -226,17 +228,18 @@ impl InBox<'_> {
         let (first, last) = (ends(|range| range.start), ends(|range| range.end));
         let Some(bounds) = self
             .carrier
-            .bounds_of_texel(DVec3::new(first[0], first[1], 0.0), DVec3::new(last[0], last[1], 1.0))
+            .bounds_of_lattice(DVec3::new(first[0], first[1], 0.0), DVec3::new(last[0], last[1], 1.0))
         else {
             return;
         };
         let kept = keep(self.slabs, self.lists, list, &bounds);
         if !kept.is_empty() {
             if counts == [1, 1] {
-                let copy = [copies[0].start, copies[1].start];
-                match self.filling {
-                    Filling::Triangles(content) => self.node(content, copy, 0, kept.clone()),
-                    Filling::Density(medium) => self.cell(medium, copy, Cell::ROOT, kept.clone()),
+                let (filling, tile) = self.filled.tile([copies[0].start, copies[1].start]);
+                match filling {
+                    Filling::Triangles(content) if content.tree.nodes.is_empty() => {}
+                    Filling::Triangles(content) => self.node(content, &tile, 0, kept.clone()),
+                    Filling::Density(medium) => self.cell(medium, &tile, Cell::ROOT, kept.clone()),
                 }
             } else {
                 let axis = usize::from(counts[1] > counts[0]);
@@ -252,21 +255,20 @@ impl InBox<'_> {
         self.lists.truncate(kept.start);
     }
 
-    fn node(&mut self, content: &Content, copy: [i32; 2], node: u32, list: Range<usize>) {
+    fn node(&mut self, content: &Content, tile: &Tile, node: u32, list: Range<usize>) {
         let tree = &content.tree;
         let node = &tree.nodes[node as usize];
         let Some(children) = tree.children(node) else {
             for &piece in tree.members_of(node) {
                 let corners = content.pieces[piece as usize].corners;
                 let carrier = self.carrier;
-                carrier.clipped(copy, &corners, |part| self.triangle(copy, piece, &part, 0, list.clone()));
+                carrier.clipped(tile, &corners, |part| self.triangle(tile, piece, &part, 0, list.clone()));
             }
             return;
         };
-        let shift = DVec3::new(f64::from(copy[0]), f64::from(copy[1]), 0.0);
         let bounds = children.map(|child| {
             let [lo, hi] = tree.nodes[child as usize].bounds;
-            self.carrier.bounds_of_texel(lo.as_dvec3() + shift, hi.as_dvec3() + shift)
+            self.carrier.bounds_in(tile, lo.as_dvec3(), hi.as_dvec3())
         });
         let direction = self.inside[self.lists[list.start] as usize].ray.direction;
         let order = match &bounds {
@@ -277,29 +279,22 @@ impl InBox<'_> {
             let Some(bounds) = &bounds[i] else { continue };
             let kept = keep(self.slabs, self.lists, list.clone(), bounds);
             if !kept.is_empty() {
-                self.node(content, copy, children[i], kept.clone());
+                self.node(content, tile, children[i], kept.clone());
             }
             self.lists.truncate(kept.start);
         }
     }
 
     /// Asks the rays of `list` for a triangle in box coordinates, halved until it is as curved as its image.
-    fn triangle(
-        &mut self,
-        copy: [i32; 2],
-        piece: u32,
-        corners: &[DVec3; 3],
-        halvings: u32,
-        list: Range<usize>,
-    ) {
+    fn triangle(&mut self, tile: &Tile, piece: u32, corners: &[DVec3; 3], halvings: u32, list: Range<usize>) {
         let Some(halves) = self.carrier.halves(corners, halvings) else {
-            return self.meet(copy, piece, corners, list);
+            return self.meet(tile.copy, piece, corners, list);
         };
         for half in &halves {
             let Some(bounds) = self.carrier.bounds_of(half) else { continue };
             let kept = keep(self.slabs, self.lists, list.clone(), &bounds);
             if !kept.is_empty() {
-                self.triangle(copy, piece, half, halvings + 1, kept.clone());
+                self.triangle(tile, piece, half, halvings + 1, kept.clone());
             }
             self.lists.truncate(kept.start);
         }
@@ -328,11 +323,10 @@ impl InBox<'_> {
     }
 
     /// Sends the rays of `list` through a cell of a density, the nearer half of its children first.
-    fn cell(&mut self, medium: &Medium, copy: [i32; 2], cell: Cell, list: Range<usize>) {
+    fn cell(&mut self, medium: &Medium, tile: &Tile, cell: Cell, list: Range<usize>) {
         let (lo, edge) = cell.place();
-        let lo = lo + DVec3::new(f64::from(copy[0]), f64::from(copy[1]), 0.0);
         let carrier = self.carrier;
-        let Some(bounds) = carrier.bounds_of_texel(lo, lo + edge).filter(|_| medium.most(cell) > 0.0) else {
+        let Some(bounds) = carrier.bounds_in(tile, lo, lo + edge).filter(|_| medium.most(cell) > 0.0) else {
             return;
         };
         let kept = keep(self.slabs, self.lists, list, &bounds);
@@ -340,19 +334,19 @@ impl InBox<'_> {
             return;
         }
         if cell.level == Medium::DEPTH {
-            let image = Image::new(medium, carrier, copy, cell);
+            let image = Image::new(medium, carrier, tile, cell);
             for at in kept.clone() {
                 let i = self.lists[at] as usize;
-                self.fly(&image, &bounds, copy, cell, i);
+                self.fly(&image, &bounds, tile.copy, cell, i);
             }
         } else {
             let along = self.inside[self.lists[kept.start] as usize].ray.direction;
             // In the texel, by the signs of the steps along its axes.
-            let tangents = carrier.tangents(carrier.in_box(copy, cell.place().0 + 0.5 * edge));
+            let tangents = carrier.tangents(tile, carrier.in_box(tile, lo + 0.5 * edge));
             let near = [tangents.x_axis, tangents.y_axis, tangents.z_axis].map(|axis| axis.dot(along) < 0.0);
             let first = usize::from(near[0]) | usize::from(near[1]) << 1 | usize::from(near[2]) << 2;
             for child in 0..8 {
-                self.cell(medium, copy, cell.child(child ^ first), kept.clone());
+                self.cell(medium, tile, cell.child(child ^ first), kept.clone());
             }
         }
         self.lists.truncate(kept.start);

@@ -4,20 +4,22 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use pelage_skin::Anchor;
 use pelage_texel::Texel;
 
 use super::carrier::Carrier;
 use super::content::{Content, Filling, Missing, geometry_of};
 use super::medium::Medium;
 use super::{Fineness, ReferenceError};
-use crate::Scene;
 use crate::accel::Tree;
+use crate::variety::Tile;
+use crate::{Coat, Scene};
 
 /// A scene with the explicit content of its texels.
 pub(super) struct World<'a> {
     pub scene: &'a Scene,
-    /// By coat; equal texels share one.
-    contents: Vec<Arc<Filling>>,
+    /// Of each coat, by texel; equal texels share one.
+    contents: Vec<Vec<Arc<Filling>>>,
     /// Over all boxes, relative to the middle of the scene.
     pub boxes: Tree,
     /// The middle of all boxes, in the scene.
@@ -30,38 +32,10 @@ pub(super) struct World<'a> {
 impl<'a> World<'a> {
     /// Cuts the content of every texel to its tile. No more than `memory` bytes are used.
     pub(super) fn new(scene: &'a Scene, fineness: Fineness, memory: u64) -> Result<Self, ReferenceError> {
-        let mut known: HashMap<*const Texel, Arc<Filling>> = HashMap::new();
-        let mut contents = Vec::with_capacity(scene.coats.len());
-        let mut needed = 0;
-        for (coat, c) in scene.coats.iter().enumerate() {
-            if let Some(content) = known.get(&Arc::as_ptr(&c.texel)) {
-                contents.push(content.clone());
-                continue;
-            }
-            let texel = c.texel.name.clone();
-            if let Some(density) = c.texel.source().density() {
-                let content = Arc::new(Filling::Density(Medium::new(density, c.texel.periodic)));
-                needed += content.memory();
-                known.insert(Arc::as_ptr(&c.texel), content.clone());
-                contents.push(content);
-                continue;
-            }
-            let geometry = geometry_of(&c.texel).map_err(|missing| match missing {
-                Missing::Source => ReferenceError::Source { coat, texel: texel.clone() },
-                Missing::Unsound(reason) => ReferenceError::Content { coat, texel: texel.clone(), reason },
-            })?;
-            // Asked before it is made: a triangle takes this much with its part of the tree, at least.
-            let least = needed + 100 * geometry.triangles.len() as u64;
-            let check = |needed| {
-                if needed > memory { Err(ReferenceError::Memory { needed, memory }) } else { Ok(()) }
-            };
-            check(least)?;
-            let content = Arc::new(Filling::Triangles(Content::new(&geometry, c.texel.periodic)));
-            needed += content.memory();
-            check(needed)?;
-            known.insert(Arc::as_ptr(&c.texel), content.clone());
-            contents.push(content);
-        }
+        let mut known = Known { by_texel: HashMap::new(), needed: 0, memory };
+        let contents = (scene.coats.iter().enumerate())
+            .map(|(coat, c)| c.texels.texels.iter().map(|(texel, _)| known.content(coat, texel)).collect())
+            .collect::<Result<Vec<_>, _>>()?;
         let bounds: Vec<[Vec3; 2]> =
             scene.coats.iter().flat_map(|c| (0..c.skin.len()).map(|patch| c.skin.bounds(patch))).collect();
         let around =
@@ -81,17 +55,19 @@ impl<'a> World<'a> {
     }
 
     /// What a box holds, and what carries it there.
-    pub(super) fn filled(&self, patch: u32) -> (&Filling, Carrier) {
+    pub(super) fn filled(&self, patch: u32) -> Filled<'_> {
         let (coat, p) = self.scene.patch(patch);
         let hexahedron = self.scene.hexahedron(patch);
-        let content = &self.contents[self.scene.coat_index(patch)];
+        let contents = &self.contents[self.scene.coat_index(patch)];
         let bounds = coat.skin.bounds(self.scene.patch_index(patch));
         let height = hexahedron.map().sides().z;
         let tolerance = self.fineness.tolerance(bounds, height);
-        (content, Carrier::new(hexahedron, &p.lattice, content.is_periodic(), tolerance))
+        let every_copy = coat.texels.plain().is_none() || contents.iter().any(|c| c.is_periodic());
+        let carrier = Carrier::new(hexahedron, &p.lattice, every_copy, tolerance);
+        Filled { contents, carrier, coat, anchor: p.anchor }
     }
 
-    /// What the content of a box is multiplied by at box coordinates: the coat's tint, and the colour of the surface
+    /// What the content of a box is multiplied by at box coordinates, in all copies: the coat's tint, and the colour of the surface
     /// below where the coat wears it.
     pub(super) fn worn(&self, patch: u32, at: DVec3) -> Vec3 {
         let (coat, p) = self.scene.patch(patch);
@@ -106,5 +82,70 @@ impl<'a> World<'a> {
             a.lerp(b, u.x).lerp(c.lerp(d, u.x), u.y)
         };
         coat.tint * self.scene.colour_of(material, uv, 0.0)
+    }
+}
+
+/// What a box holds.
+pub(super) struct Filled<'a> {
+    /// By texel of the coat.
+    contents: &'a [Arc<Filling>],
+    /// What carries it into the box.
+    pub carrier: Carrier,
+    coat: &'a Coat,
+    anchor: Anchor,
+}
+
+impl<'a> Filled<'a> {
+    /// What stands in a copy, and how.
+    pub(super) fn tile(&self, copy: [i32; 2]) -> (&'a Filling, Tile) {
+        let tile = match self.coat.texels.plain() {
+            Some(_) => Tile::upright(copy),
+            None => self.coat.texels.tile(&self.anchor, copy),
+        };
+        (&self.contents[tile.texel], tile)
+    }
+
+    /// Whether nothing stands in any copy.
+    pub(super) fn is_empty(&self) -> bool {
+        self.contents.iter().all(|content| content.is_empty())
+    }
+}
+
+/// The contents made so far.
+struct Known {
+    by_texel: HashMap<*const Texel, Arc<Filling>>,
+    /// Bytes that they take, and may take.
+    needed: u64,
+    memory: u64,
+}
+
+impl Known {
+    /// The explicit content of a texel of a coat.
+    fn content(&mut self, coat: usize, texel: &Arc<Texel>) -> Result<Arc<Filling>, ReferenceError> {
+        if let Some(content) = self.by_texel.get(&Arc::as_ptr(texel)) {
+            return Ok(content.clone());
+        }
+        let filling = if let Some(density) = texel.source().density() {
+            Filling::Density(Medium::new(density, texel.periodic))
+        } else {
+            let name = || texel.name.clone();
+            let geometry = geometry_of(texel).map_err(|missing| match missing {
+                Missing::Source => ReferenceError::Source { coat, texel: name() },
+                Missing::Unsound(reason) => ReferenceError::Content { coat, texel: name(), reason },
+            })?;
+            // Asked before it is made: a triangle takes this much with its part of the tree, at least.
+            self.check(self.needed + 100 * geometry.triangles.len() as u64)?;
+            Filling::Triangles(Content::new(&geometry, texel.periodic))
+        };
+        self.needed += filling.memory();
+        self.check(self.needed)?;
+        let filling = Arc::new(filling);
+        self.by_texel.insert(Arc::as_ptr(texel), filling.clone());
+        Ok(filling)
+    }
+
+    fn check(&self, needed: u64) -> Result<(), ReferenceError> {
+        let memory = self.memory;
+        if needed > memory { Err(ReferenceError::Memory { needed, memory }) } else { Ok(()) }
     }
 }
