@@ -23,7 +23,7 @@ fn torus() -> Scene {
     };
     Scene::new(Description {
         meshes: vec![mesh],
-        coats: vec![Coat { skin, texel: Arc::new(texel), tint: Vec3::ONE, wears_material: false }],
+        coats: vec![Coat { skin, texels: texel.into(), tint: Vec3::ONE, wears_material: false }],
         materials: vec![],
         textures: vec![],
         lights: vec![sun],

@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use pelage::choices::{Background, Choice, Method};
-use pelage::import::{Fault, Place, Up};
-use pelage::output::Tone;
+use pelage::import::Up;
+use pelage::output::{Aov, Tone};
 use pelage::scene_file::{CameraEntry, SceneFile, SkinEntry, TexelEntry};
 use pelage::skin::Folds;
 use pelage::staging::View;
 use pelage::tracer::{Lod, Opacity, Path as BoxPath, Rays};
-use pelage::{Error, FieldError};
+use pelage::{Error, Field, FieldError};
 
-use crate::progress::Volume;
+use crate::run_args::{AllowArgs, RunArgs};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -122,6 +122,11 @@ pub struct RenderArgs {
     #[arg(long, value_parser = choice::<Tone>, help_heading = "Picture")]
     tone: Option<Tone>,
 
+    /// Besides the colour, in an EXR file: patch, stretch or normal, several with commas between; in a PNG file
+    /// instead of the colour, one of them in false colours
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = choice::<Aov>, help_heading = "Picture")]
+    pub aov: Vec<Aov>,
+
     /// What stands behind: sky, none or #rrggbb [default: sky in PNG, none in EXR]
     #[arg(long, value_parser = choice::<Background>, help_heading = "Picture")]
     background: Option<Background>,
@@ -152,21 +157,11 @@ pub struct RenderArgs {
     #[arg(long, value_parser = positive, help_heading = "Input")]
     unit: Option<f32>,
 
-    /// Let the scene refer to files in this folder too; may be repeated
-    #[arg(long, value_name = "FOLDER", help_heading = "Input")]
-    allow_dir: Vec<PathBuf>,
+    #[command(flatten)]
+    allow: AllowArgs,
 
-    /// Threads, at most 256; 0 for one a core
-    #[arg(short, long, default_value_t = 0, value_parser = threads, allow_hyphen_values = true, help_heading = "Run")]
-    pub threads: usize,
-
-    /// Say only what went wrong
-    #[arg(short, long, conflicts_with = "verbose", help_heading = "Run")]
-    quiet: bool,
-
-    /// Say what was found and made
-    #[arg(short, long, help_heading = "Run")]
-    verbose: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
 
     /// Tell times, counts and memory: text on stderr or json on stdout
     #[arg(
@@ -196,25 +191,22 @@ enum TexelArg {
 }
 
 impl RenderArgs {
-    /// How much is said.
-    pub fn volume(&self) -> Volume {
-        match (self.quiet, self.verbose) {
-            (true, _) => Volume::Quiet,
-            (_, true) => Volume::Verbose,
-            _ => Volume::Normal,
-        }
-    }
-
     /// The scene that file and flags describe together.
     pub fn scene(&self) -> Result<SceneFile, Error> {
-        let mut scene = open(&self.scene)?;
-        scene.allow_dirs = self.allow_dir.clone();
+        let mut scene = SceneFile::open(&self.scene)?;
+        scene.allow_dirs.clone_from(&self.allow.allow_dir);
         for geometry in &mut scene.geometry {
             set(&mut geometry.up, self.up);
             set(&mut geometry.unit, self.unit);
         }
         self.skins(&mut scene.skin)?;
+        if self.texel.is_some() || !self.on.is_empty() {
+            scene.forget("skin");
+        }
         self.camera(&mut scene.camera);
+        if self.camera.is_some() {
+            scene.forget("camera");
+        }
         let render = &mut scene.render;
         set(&mut render.size, self.size);
         set(&mut render.rays, self.rays);
@@ -236,7 +228,10 @@ impl RenderArgs {
         render.crop = self.crop.or(render.crop);
         render.background = self.background.or(render.background);
         render.shadows &= !self.no_shadows;
-        scene.validate()?;
+        // The file alone makes sense: what does not now is none of its text.
+        scene
+            .validate()
+            .map_err(|error| FieldError { field: Field { span: None, ..error.field }, ..error })?;
         Ok(scene)
     }
 
@@ -250,10 +245,11 @@ impl RenderArgs {
             ("--resolution", self.resolution.is_some()),
         ];
         match flags.into_iter().find(|&(_, given)| given) {
-            Some((flag, _)) => {
-                let reason = "means nothing to --method reference, which traces no cones".into();
-                Err(FieldError { file: self.scene.clone(), field: flag.into(), reason })
-            }
+            Some((flag, _)) => Err(misplaced(
+                &self.scene,
+                flag,
+                "means nothing to --method reference, which traces no cones",
+            )),
             None => Ok(()),
         }
     }
@@ -263,7 +259,7 @@ impl RenderArgs {
         match &self.texel {
             Some(TexelArg::None) => skins.clear(),
             Some(TexelArg::Grown(texel)) => {
-                *skins = vec![SkinEntry { texel: texel.clone(), ..SkinEntry::default() }];
+                *skins = vec![SkinEntry::of_texel(texel.clone())];
             }
             None if !self.on.is_empty() => *skins = vec![SkinEntry::default()],
             None => {}
@@ -278,12 +274,11 @@ impl RenderArgs {
             ("--folds", self.folds.is_some()),
         ];
         if let Some((flag, _)) = flags.into_iter().find(|&(_, given)| given && skins.is_empty()) {
-            let reason = "there is no skin for it to change".into();
-            return Err(FieldError { file: self.scene.clone(), field: flag.into(), reason });
+            return Err(misplaced(&self.scene, flag, "there is no skin for it to change"));
         }
         for skin in skins {
             if let Some(wanted) = self.resolution {
-                set_resolution(&mut skin.texel, wanted, &self.scene)?;
+                set_resolution(skin, wanted, &self.scene)?;
             }
             set(&mut skin.tint, self.tint);
             set(&mut skin.lean, self.lean);
@@ -317,25 +312,23 @@ impl RenderArgs {
     }
 }
 
-/// The scene of a file: as it is described, or a mesh with long fur on all of it.
-pub fn open(path: &Path) -> Result<SceneFile, Error> {
-    match extension(path).as_str() {
-        "toml" | "json" => SceneFile::open(path),
-        "obj" | "gltf" | "glb" => {
-            Ok(SceneFile { skin: vec![SkinEntry::default()], ..SceneFile::of_mesh(path) })
-        }
-        _ => {
-            let expected = ".toml, .json, .gltf, .glb or .obj";
-            Err(Fault::Extension { expected }.at(path, Place::File).into())
-        }
-    }
+/// A flag that makes no sense with this scene.
+fn misplaced(scene: &Path, flag: &str, reason: &str) -> FieldError {
+    let field = Field { name: flag.to_owned(), ..Field::whole(scene) };
+    FieldError { field, reason: reason.to_owned(), hint: None }
 }
 
-/// Builds the texel so fine; one from a file is as fine as it is.
-pub fn set_resolution(texel: &mut TexelEntry, wanted: u32, scene: &Path) -> Result<(), FieldError> {
-    let reason = "means nothing to a texel from a file, which has its own".to_owned();
-    let field = || FieldError { file: scene.to_owned(), field: "--resolution".into(), reason };
-    *texel.resolution_mut().ok_or_else(field)? = wanted;
+/// Builds the texels of a skin so fine; those from files are as fine as they are.
+pub fn set_resolution(skin: &mut SkinEntry, wanted: u32, scene: &Path) -> Result<(), FieldError> {
+    let mut grown: Vec<&mut u32> = skin.texel.iter_mut().filter_map(|s| s.texel.resolution_mut()).collect();
+    if grown.is_empty() {
+        return Err(misplaced(
+            scene,
+            "--resolution",
+            "means nothing to a texel from a file, which has its own",
+        ));
+    }
+    grown.iter_mut().for_each(|resolution| **resolution = wanted);
     Ok(())
 }
 
@@ -343,10 +336,6 @@ fn set<T>(field: &mut T, flag: Option<T>) {
     if let Some(value) = flag {
         *field = value;
     }
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 /// A choice that has a word.

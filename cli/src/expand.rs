@@ -5,13 +5,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pelage::expand::{Bytes, ModelFormat, check_model, write_model};
+use pelage::scene_file::SceneFile;
 use pelage::tracer::reference::{Expansion, Fineness};
 
-use crate::args::{open, positive, threads};
+use crate::args::positive;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::{Volume, say};
 use crate::render::{pool, stage, tell_of_input, tell_of_skins};
+use crate::run_args::{AllowArgs, RunArgs};
 use crate::stats::Stats;
 
 const NOTES: &str = "\
@@ -42,42 +44,24 @@ pub struct ExpandArgs {
     #[arg(long, value_name = "SIZE", default_value = "4GiB", value_parser = bytes, allow_hyphen_values = true)]
     limit: u64,
 
-    /// Let the scene refer to files in this folder too; may be repeated
-    #[arg(long, value_name = "FOLDER")]
-    allow_dir: Vec<PathBuf>,
+    #[command(flatten)]
+    allow: AllowArgs,
 
-    /// Threads, at most 256; 0 for one a core
-    #[arg(short, long, default_value_t = 0, value_parser = threads, allow_hyphen_values = true)]
-    threads: usize,
-
-    /// Say only what went wrong
-    #[arg(short, long, conflicts_with = "verbose")]
-    quiet: bool,
-
-    /// Say what was found and made
-    #[arg(short, long)]
-    verbose: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 /// Expands what the arguments describe.
 pub fn run(args: &ExpandArgs) -> Result<(), Failure> {
-    let mut scene = open(&args.scene)?;
-    scene.allow_dirs.clone_from(&args.allow_dir);
+    let mut scene = SceneFile::open(&args.scene)?;
+    scene.allow_dirs.clone_from(&args.allow.allow_dir);
     let format = check_model(&args.output).map_err(pelage::Error::from)?;
     interrupt::listen()?;
-    pool(args.threads)?.install(|| model(args, scene, format))
+    pool(args.run.threads)?.install(|| model(args, scene, format))
 }
 
-fn model(
-    args: &ExpandArgs,
-    scene: pelage::scene_file::SceneFile,
-    format: ModelFormat,
-) -> Result<(), Failure> {
-    let volume = match (args.quiet, args.verbose) {
-        (true, _) => Volume::Quiet,
-        (_, true) => Volume::Verbose,
-        _ => Volume::Normal,
-    };
+fn model(args: &ExpandArgs, scene: SceneFile, format: ModelFormat) -> Result<(), Failure> {
+    let volume = args.run.volume();
     let mut stats = Stats::default();
     let loaded = stage("load", volume, &mut stats, |_| pelage::compile::Loaded::new(scene))?;
     tell_of_input(&loaded, volume);

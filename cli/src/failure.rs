@@ -3,9 +3,13 @@
 use std::fmt;
 use std::process::ExitCode;
 
+use miette::Severity;
 use pelage::output::OutputError;
 use pelage::{Blame, Error};
 use pelage_validate::PictureError;
+
+use crate::progress::say;
+use crate::report::tell;
 
 /// Why a command failed.
 pub enum Failure {
@@ -22,6 +26,17 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Says it in a line; of a field of a scene file, also where it stands there.
+    pub fn tell(&self) {
+        let line = format_args!("pelage: {self}");
+        let located =
+            if let Self::Library(error) = self { error.field().zip(Some(error.remark())) } else { None };
+        match located {
+            Some((field, remark)) => tell(line, field, &remark, Severity::Error),
+            None => say(line),
+        }
+    }
+
     /// The exit code of `pelage --help`.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

@@ -3,21 +3,29 @@
 //! | subcommand | room |
 //! |---|---|
 //! | `render` | [`render`]: its stages; [`args`]: its flags |
+//! | `check` | [`check`] |
+//! | `schema` | [`schema`] |
 //! | `expand` | [`expand`] |
 //! | `compare` | [`compare`] |
 //! | `skin` | [`skin`]: a file for each of its own subcommands |
 //! | `texel` | [`texel`]: a file for each of its own subcommands |
 //! | `validate` | [`validate`] |
 //!
+//! Flags that many of them share are in [`run_args`], what goes wrong is told by [`report`].
+//!
 //! stdout carries only data that was asked for; everything said to people goes to stderr.
 
 mod args;
+mod check;
 mod compare;
 mod expand;
 mod failure;
 mod interrupt;
 mod progress;
 mod render;
+mod report;
+mod run_args;
+mod schema;
 mod skin;
 mod stats;
 mod texel;
@@ -39,6 +47,10 @@ struct Cli {
 enum Command {
     /// Render a scene to a picture.
     Render(Box<args::RenderArgs>),
+    /// Tell everything that is wrong with a scene, and where.
+    Check(check::CheckArgs),
+    /// Print the JSON Schema of scene files, for editors.
+    Schema(schema::SchemaArgs),
     /// Write a scene as explicit triangles, for other programs.
     Expand(expand::ExpandArgs),
     /// Measure how far a picture is from its reference.
@@ -60,6 +72,8 @@ Exit codes: 0 done; 1 the rendering failed, or a goal was missed (validate --str
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Render(args) => render::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Schema(args) => schema::run(&args),
         Command::Expand(args) => expand::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Skin(command) => skin::run(&command),
@@ -69,7 +83,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            progress::say(format_args!("pelage: {failure}"));
+            failure.tell();
             failure.exit_code()
         }
     }

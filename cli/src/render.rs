@@ -20,8 +20,11 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let scene = args.scene()?;
     // Asked now: after an hour of rendering is too late.
     let format = check_output(&args.output)?;
+    if format == Format::Png && args.aov.len() > 1 {
+        return Err(Failure::Usage("--aov: a PNG file shows one of them; an EXR file holds several".into()));
+    }
     interrupt::listen()?;
-    pool(args.threads)?.install(|| picture(args, scene, format))
+    pool(args.run.threads)?.install(|| picture(args, scene, format))
 }
 
 /// So many threads; 0 for one a core.
@@ -31,7 +34,7 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
 }
 
 fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Format) -> Result<(), Failure> {
-    let volume = args.volume();
+    let volume = args.run.volume();
     let mut stats = Stats::default();
 
     let loaded = stage("load", volume, &mut stats, |_| Loaded::new(scene))?;
@@ -47,6 +50,14 @@ fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Form
 
     let prepared = stage("compile", volume, &mut stats, |_| loaded.compile(&texels, skins))?;
 
+    if let (Format::Png, [which]) = (format, &args.aov[..]) {
+        let aovs = stage("render", volume, &mut stats, |_| prepared.aovs())?;
+        stage("write", volume, &mut stats, |_| {
+            Ok(prepared.write_false_color(&aovs, *which, &args.output)?)
+        })?;
+        return Ok(());
+    }
+
     interrupt::keep_partial_result();
     let film = stage("render", volume, &mut stats, |stage| {
         prepared.render(&|progress| {
@@ -60,7 +71,13 @@ fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Form
         Err(error) => return Err(error.into()),
     };
 
-    stage("write", volume, &mut stats, |_| Ok(prepared.write(&film, &args.output, format)?))?;
+    stage("write", volume, &mut stats, |_| {
+        Ok(if args.aov.is_empty() {
+            prepared.write(&film, &args.output, format)?
+        } else {
+            prepared.write_with(&film, &prepared.aovs()?, &args.aov, &args.output)?
+        })
+    })?;
 
     if let Some(bytes) = peak_memory() {
         stats.count("peak_memory", bytes);

@@ -13,12 +13,13 @@ use pelage_validate::{
     Distance, Goals, Lights, NORMAL_PPD, Plan, SightError, Study, StudyError, page, study, table,
 };
 
-use crate::args::{choice, open, positive, set_resolution, threads};
+use crate::args::{choice, positive, set_resolution};
 use crate::compare::ppd;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::{Stage, Volume, say};
 use crate::render::{pool, stage, tell_of_input, tell_of_skins};
+use crate::run_args::{AllowArgs, RunArgs};
 use crate::stats::Stats;
 
 const NOTES: &str = "\
@@ -100,21 +101,11 @@ pub struct ValidateArgs {
     #[arg(long, value_parser = choice::<Lod>, allow_hyphen_values = true, help_heading = "Scene")]
     lod: Option<Lod>,
 
-    /// Let the scenes refer to files in this folder too; may be repeated
-    #[arg(long, value_name = "FOLDER", help_heading = "Scene")]
-    allow_dir: Vec<PathBuf>,
+    #[command(flatten)]
+    allow: AllowArgs,
 
-    /// Threads, at most 256; 0 for one a core
-    #[arg(short, long, default_value_t = 0, value_parser = threads, allow_hyphen_values = true)]
-    threads: usize,
-
-    /// Say only what went wrong
-    #[arg(short, long, conflicts_with = "verbose")]
-    quiet: bool,
-
-    /// Say what was found and made
-    #[arg(short, long)]
-    verbose: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -145,7 +136,7 @@ pub fn run(args: &ValidateArgs) -> Result<(), Failure> {
     // All of them, before the first takes its time.
     let scenes = args.scenes.iter().map(|path| scene(args, path)).collect::<Result<Vec<_>, _>>()?;
     interrupt::listen()?;
-    pool(args.threads)?.install(|| validate(args, scenes))
+    pool(args.run.threads)?.install(|| validate(args, scenes))
 }
 
 fn validate(args: &ValidateArgs, scenes: Vec<SceneFile>) -> Result<(), Failure> {
@@ -175,7 +166,7 @@ fn validate(args: &ValidateArgs, scenes: Vec<SceneFile>) -> Result<(), Failure> 
 }
 
 fn one(args: &ValidateArgs, path: &Path, scene: SceneFile, plan: &Plan) -> Result<Study, Failure> {
-    let volume = volume(args);
+    let volume = args.run.volume();
     let name = path.display().to_string();
     if volume > Volume::Quiet {
         say(&name);
@@ -199,15 +190,16 @@ fn prepare(scene: SceneFile, volume: Volume) -> Result<Prepared, Failure> {
 
 /// The scene of a file, changed as the flags say.
 fn scene(args: &ValidateArgs, path: &Path) -> Result<SceneFile, Failure> {
-    let mut scene = open(path)?;
-    scene.allow_dirs.clone_from(&args.allow_dir);
+    let mut scene = SceneFile::open(path)?;
+    scene.allow_dirs.clone_from(&args.allow.allow_dir);
     if let Some(texel) = &args.texel {
-        scene.skin = vec![SkinEntry { texel: texel.clone(), ..SkinEntry::default() }];
+        scene.skin = vec![SkinEntry::of_texel(texel.clone())];
+        scene.forget("skin");
     }
     for skin in &mut scene.skin {
         skin.height = args.height.or(skin.height);
         if let Some(resolution) = args.resolution {
-            set_resolution(&mut skin.texel, resolution, path).map_err(pelage::Error::from)?;
+            set_resolution(skin, resolution, path).map_err(pelage::Error::from)?;
         }
     }
     scene.render.rays = args.rays.unwrap_or(scene.render.rays);
@@ -272,14 +264,6 @@ fn about(args: &ValidateArgs) -> String {
 fn tell(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).map_err(Failure::Stdout)
-}
-
-fn volume(args: &ValidateArgs) -> Volume {
-    match (args.quiet, args.verbose) {
-        (true, _) => Volume::Quiet,
-        (_, true) => Volume::Verbose,
-        _ => Volume::Normal,
-    }
 }
 
 fn samples(text: &str) -> Result<u32, String> {

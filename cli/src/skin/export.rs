@@ -6,10 +6,11 @@ use clap::Args;
 use pelage::compile::Loaded;
 use pelage::expand::check_model;
 use pelage::outline::write_outline;
+use pelage::scene_file::SceneFile;
 
-use crate::args::open;
 use crate::failure::Failure;
 use crate::progress::say;
+use crate::run_args::AllowArgs;
 
 const NOTES: &str = "\
 Each vertex of a skin is two points, and the line between them is its vector. Red is a corner that is about to fold,
@@ -25,9 +26,8 @@ pub struct ExportArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// Let the scene refer to files in this folder too; may be repeated
-    #[arg(long, value_name = "FOLDER")]
-    allow_dir: Vec<PathBuf>,
+    #[command(flatten)]
+    allow: AllowArgs,
 
     /// Say only what went wrong
     #[arg(short, long)]
@@ -36,8 +36,8 @@ pub struct ExportArgs {
 
 /// Exports what the arguments describe.
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
-    let mut scene = open(&args.scene)?;
-    scene.allow_dirs.clone_from(&args.allow_dir);
+    let mut scene = SceneFile::open(&args.scene)?;
+    scene.allow_dirs.clone_from(&args.allow.allow_dir);
     let format = check_model(&args.output).map_err(pelage::Error::from)?;
     let loaded = Loaded::new(scene)?;
     let skins = loaded.extrude()?;

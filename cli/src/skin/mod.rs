@@ -3,9 +3,11 @@
 //! | subcommand | room |
 //! |---|---|
 //! | `export` | [`export`]: boxes as lines |
+//! | `info` | [`info`]: boxes, folds, charts, seams and stretch, as text |
 //! | `mesh-table` | [`mesh_table`]: the paper's table of meshes |
 
 mod export;
+mod info;
 mod mesh_table;
 
 use clap::Subcommand;
@@ -17,6 +19,8 @@ use crate::failure::Failure;
 pub enum SkinCommand {
     /// Write the boxes of a scene's skins as lines, coloured by how near they are to folding.
     Export(export::ExportArgs),
+    /// Print what became of a scene's skins: boxes, folds, charts, seams and how much the texel is stretched.
+    Info(info::InfoArgs),
     /// Print vertices, errors, time and memory of meshes of one surface, coarse to fine.
     MeshTable(mesh_table::MeshTableArgs),
 }
@@ -25,6 +29,7 @@ pub enum SkinCommand {
 pub fn run(command: &SkinCommand) -> Result<(), Failure> {
     match command {
         SkinCommand::Export(args) => export::run(args),
+        SkinCommand::Info(args) => info::run(args),
         SkinCommand::MeshTable(args) => mesh_table::run(args),
     }
 }

@@ -4,17 +4,19 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use pelage::Field;
 use pelage::bake::{ContentOptions, Fit, content, read};
 use pelage::import::{Up, Warning};
 use pelage::texel::file::{FileOptions, Metadata};
 use pelage::texel::{BuildOptions, build};
 use pelage::texel_file::{check_texel, write_texel};
 
-use crate::args::{choice, positive, threads};
+use crate::args::{choice, positive};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::{Volume, say};
 use crate::render::{pool, stage};
+use crate::run_args::RunArgs;
 use crate::stats::Stats;
 
 const NOTES: &str = "\
@@ -83,17 +85,8 @@ pub struct BakeArgs {
     #[arg(long)]
     with_source: bool,
 
-    /// Threads, at most 256; 0 for one a core
-    #[arg(short, long, default_value_t = 0, value_parser = threads, allow_hyphen_values = true)]
-    threads: usize,
-
-    /// Say only what went wrong
-    #[arg(short, long, conflicts_with = "verbose")]
-    quiet: bool,
-
-    /// Say what was found and made
-    #[arg(short, long)]
-    verbose: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 /// Bakes what the arguments describe.
@@ -104,15 +97,11 @@ pub fn run(args: &BakeArgs) -> Result<(), Failure> {
     // Asked now: after minutes of baking is too late.
     check_texel(&args.output)?;
     interrupt::listen()?;
-    pool(args.threads)?.install(|| bake(args))
+    pool(args.run.threads)?.install(|| bake(args))
 }
 
 fn bake(args: &BakeArgs) -> Result<(), Failure> {
-    let volume = match (args.quiet, args.verbose) {
-        (true, _) => Volume::Quiet,
-        (_, true) => Volume::Verbose,
-        _ => Volume::Normal,
-    };
+    let volume = args.run.volume();
     let warn = |warnings: &[Warning]| {
         for warning in warnings.iter().filter(|_| volume > Volume::Quiet) {
             say(format_args!("warning: {warning}"));
@@ -146,7 +135,7 @@ fn bake(args: &BakeArgs) -> Result<(), Failure> {
     let build_options = BuildOptions { depth, periodic: args.tile, ..BuildOptions::standard() };
     let texel = stage("build", volume, &mut stats, |stage| {
         let built = build(&name, content.geometry, &build_options, &|f| stage.update(f));
-        built.map_err(|source| pelage::Error::Texel { field: args.model.display().to_string(), source })
+        built.map_err(|source| pelage::Error::Texel { field: Field::whole(&args.model), source })
     })?;
     if volume == Volume::Verbose {
         for level in texel.levels() {

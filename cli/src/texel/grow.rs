@@ -1,18 +1,19 @@
 //! `pelage texel grow`: grow a kind, build its texel, write it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pelage::Field;
 use pelage::scene_file::TexelEntry;
 use pelage::texel::file::{FileOptions, Metadata};
 use pelage::texel::{BuildOptions, Procedure, build};
 use pelage::texel_file::{check_texel, write_texel};
 
-use crate::args::threads;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::{Volume, say};
 use crate::render::{pool, stage};
+use crate::run_args::RunArgs;
 use crate::stats::Stats;
 
 const NOTES: &str = "\
@@ -59,17 +60,8 @@ pub struct GrowArgs {
     #[arg(long, default_value = "")]
     licence: String,
 
-    /// Threads, at most 256; 0 for one a core
-    #[arg(short, long, default_value_t = 0, value_parser = threads, allow_hyphen_values = true)]
-    threads: usize,
-
-    /// Say only what went wrong
-    #[arg(short, long, conflicts_with = "verbose")]
-    quiet: bool,
-
-    /// Say what was found and made
-    #[arg(short, long)]
-    verbose: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
 /// Grows what the arguments describe.
@@ -83,18 +75,14 @@ pub fn run(args: &GrowArgs) -> Result<(), Failure> {
     // Asked now: after minutes of building is too late.
     check_texel(&args.output)?;
     interrupt::listen()?;
-    pool(args.threads)?.install(|| grow(args, entry))
+    pool(args.run.threads)?.install(|| grow(args, entry))
 }
 
 fn grow(args: &GrowArgs, entry: TexelEntry) -> Result<(), Failure> {
     let TexelEntry::Grown { kind, resolution } = entry else {
         return Err(Failure::Usage(format!("{}: a texel file does not grow", args.kind)));
     };
-    let volume = match (args.quiet, args.verbose) {
-        (true, _) => Volume::Quiet,
-        (_, true) => Volume::Verbose,
-        _ => Volume::Normal,
-    };
+    let volume = args.run.volume();
     let mut stats = Stats::default();
     let file_stem = args.output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let name = args.name.clone().unwrap_or(file_stem);
@@ -104,7 +92,7 @@ fn grow(args: &GrowArgs, entry: TexelEntry) -> Result<(), Failure> {
         kind.parameters().into_iter().map(|p| (p.name.to_owned(), p.value.to_string())).collect();
     let texel = stage("build", volume, &mut stats, |stage| {
         let built = build(&name, kind, &options, &|f| stage.update(f));
-        built.map_err(|source| pelage::Error::Texel { field: origin.clone(), source })
+        built.map_err(|source| pelage::Error::Texel { field: Field::whole(Path::new(&origin)), source })
     })?;
     if volume == Volume::Verbose {
         for level in texel.levels() {

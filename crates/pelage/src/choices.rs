@@ -7,7 +7,7 @@ use serde::{Deserializer, de};
 
 use crate::bake::Fit;
 use crate::import::Up;
-use crate::output::Tone;
+use crate::output::{Aov, Tone};
 
 /// What stands behind the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +35,9 @@ pub trait Choice: Sized {
     /// What may be written, for messages.
     const EXPECTED: &'static str;
 
+    /// The words; others may be possible besides.
+    const WORDS: &'static [&'static str];
+
     /// The choice that `word` names.
     fn from_word(word: &str) -> Option<Self>;
 
@@ -52,6 +55,7 @@ macro_rules! words {
     ($type:ty, $expected:literal, $($word:literal => $value:expr),+) => {
         impl Choice for $type {
             const EXPECTED: &'static str = $expected;
+            const WORDS: &'static [&'static str] = &[$($word),+];
 
             fn from_word(word: &str) -> Option<Self> {
                 match word {
@@ -70,13 +74,17 @@ words!(Path, "curved or straight", "curved" => Path::Curved, "straight" => Path:
 words!(Opacity, "exponential or linear", "exponential" => Opacity::Exponential, "linear" => Opacity::Linear);
 words!(Tone, "filmic or none", "filmic" => Tone::Filmic, "none" => Tone::None);
 words!(Method, "cone or reference", "cone" => Method::Cone, "reference" => Method::Reference);
-words!(Layout, "auto, uv or per-patch",
-    "auto" => Layout::Auto, "uv" => Layout::Uv, "per-patch" => Layout::PerPatch);
+words!(Layout, "auto, uv, conformal or per-patch",
+    "auto" => Layout::Auto, "uv" => Layout::Uv, "conformal" => Layout::Conformal, "per-patch" => Layout::PerPatch);
+words!(Aov, "patch, stretch or normal",
+    "patch" => Aov::Patch, "stretch" => Aov::Stretch, "normal" => Aov::Normal);
 words!(Folds, "mend, leave-out or refuse",
     "mend" => Folds::Mend, "leave-out" => Folds::LeaveOut, "refuse" => Folds::Refuse);
 
 impl Choice for Lod {
     const EXPECTED: &'static str = "auto, sharp, smooth, or a level from 0 to 12";
+    const WORDS: &'static [&'static str] =
+        &["auto", "sharp", "smooth", "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12"];
 
     fn from_word(word: &str) -> Option<Self> {
         match word {
@@ -90,6 +98,7 @@ impl Choice for Lod {
 
 impl Choice for Background {
     const EXPECTED: &'static str = "sky, none, or a colour like #a0c4ff";
+    const WORDS: &'static [&'static str] = &["sky", "none"];
 
     fn from_word(word: &str) -> Option<Self> {
         match word {

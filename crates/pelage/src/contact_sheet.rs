@@ -3,6 +3,7 @@
 //! The ordinary cone tracer draws it, one copy on a flat square, lit from the upper left of whoever looks.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::Arc;
 
 use font8x8::UnicodeFonts;
@@ -12,7 +13,7 @@ use pelage_texel::Texel;
 use pelage_tracer::{Coat, Description, Film, Light, Lod, Pixel, Rect, RenderError, Scene, Settings, render};
 
 use crate::compose::{Backdrop, over};
-use crate::error::Error;
+use crate::error::{Error, Field};
 use crate::output::Display;
 use crate::staging::{self, View};
 
@@ -89,15 +90,17 @@ fn draw(
     progress: &(dyn Fn(f32) -> ControlFlow<()> + Sync),
 ) -> Result<Film, Error> {
     let options = SkinOptions { tiling: Some(1.0), ..SkinOptions::new(1.0) };
-    let skin = extrude(&surface::plane(1.0, 1, 1), &|_| true, &options)
-        .map_err(|source| Error::Skin { field: "the square under the texel".into(), source })?;
+    let skin = extrude(&surface::plane(1.0, 1, 1), &|_| true, &options).map_err(|source| Error::Skin {
+        field: Field::whole(Path::new("the square under the texel")),
+        source,
+    })?;
     let mut sun = staging::sun();
     if let Light::Directional { direction, .. } = &mut sun {
         *direction = Quat::from_rotation_y(panel.azimuth.to_radians()) * *direction;
     }
     let scene = Scene::new(Description {
         meshes: Vec::new(),
-        coats: vec![Coat { skin, texel: texel.clone(), tint: Vec3::ONE, wears_material: false }],
+        coats: vec![Coat { skin, texels: texel.clone().into(), tint: Vec3::ONE, wears_material: false }],
         materials: Vec::new(),
         textures: Vec::new(),
         lights: vec![sun],

@@ -9,7 +9,7 @@
 //! let skin = extrude(&mesh, &|_face| true, &SkinOptions::new(0.2))?;
 //! let fur = Fur { count: 2000, ..Fur::short() };
 //! let texel = build("fur", fur, &BuildOptions { depth: 4, ..BuildOptions::preview() }, &|_| {})?;
-//! let coats = vec![Coat { skin, texel: texel.into(), tint: Vec3::new(1.0, 0.6, 0.3), wears_material: false }];
+//! let coats = vec![Coat { skin, texels: texel.into(), tint: Vec3::new(1.0, 0.6, 0.3), wears_material: false }];
 //! let (lights, environment) = (vec![staging::sun()], staging::sky());
 //! let materials = vec![Material::default()];
 //! let scene = Scene::new(Description { meshes: vec![mesh], coats, materials, textures: vec![], lights, environment })?;
@@ -46,6 +46,7 @@
 //! | [`bake`] | models become the content of texels |
 //! | [`scene_file`], [`choices`] | the description of a scene: TOML files and flags |
 //! | [`compile`] | a description becomes a scene, stage by stage |
+//! | [`check`] | everything that is wrong with a scene at once |
 //! | [`staging`] | camera, light and exposure where there are none |
 //! | [`compose`], [`output`] | a background behind the film; PNG and EXR files |
 //! | [`texel_file`], [`contact_sheet`] | texels to and from files; a picture of one from all sides, at every level |
@@ -58,6 +59,7 @@
 #![warn(missing_docs)]
 
 pub mod bake;
+pub mod check;
 pub mod choices;
 pub mod compile;
 pub mod compose;
@@ -69,6 +71,7 @@ mod names;
 pub mod outline;
 pub mod output;
 pub mod scene_file;
+pub mod schema;
 pub mod staging;
 pub mod texel_file;
 
@@ -77,7 +80,7 @@ pub use pelage_skin as skin;
 pub use pelage_texel as texel;
 pub use pelage_tracer as tracer;
 
-pub use error::{Blame, Error, FieldError};
+pub use error::{Blame, Error, Field, FieldError, Span};
 
 /// The names that a program which renders from memory needs.
 pub mod prelude {

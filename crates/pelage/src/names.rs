@@ -4,10 +4,20 @@ use std::collections::BTreeSet;
 
 /// Says that no `kind` is called `name`, and which of the `known` names may have been meant.
 pub(crate) fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> String {
+    format!("{}: {}", missing(kind, name), nearest(name, known))
+}
+
+/// Says that no `kind` is called `name`.
+pub(crate) fn missing(kind: &str, name: &str) -> String {
+    format!("there is no {kind} `{name}`")
+}
+
+/// Says which of the `known` names may have been meant by one that is none of them.
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     const SHOWN: usize = 6;
     let known: BTreeSet<&str> = known.filter(|n| !n.is_empty()).collect();
     if known.is_empty() {
-        return format!("there is no {kind} `{name}`: none has a name");
+        return "none has a name".into();
     }
     let mut near: Vec<(usize, &str)> = known.iter().map(|n| (distance(name, n), *n)).collect();
     near.sort_unstable();
@@ -17,10 +27,10 @@ pub(crate) fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'
     };
     let meant = list(&mut near.iter().filter(close));
     if !meant.is_empty() {
-        return format!("there is no {kind} `{name}`: did you mean {meant}?");
+        return format!("did you mean {meant}?");
     }
     let more = if near.len() > SHOWN { format!(" and {} more", near.len() - SHOWN) } else { String::new() };
-    format!("there is no {kind} `{name}`: there are {}{more}", list(&mut near.iter()))
+    format!("there are {}{more}", list(&mut near.iter()))
 }
 
 /// How many letters must be changed, added or dropped, regardless of case. [Levenshtein]

@@ -6,16 +6,19 @@ use glam::{Vec3, vec3};
 use pelage_tracer::{Camera, Environment, Light};
 
 /// From where a scene is looked at when it has no camera.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct View {
     /// Degrees around the vertical: 0 from the front (+Z), 90 from the right (+X).
     pub azimuth: f32,
     /// Degrees above the horizon, within ±90.
+    #[schemars(range(min = -90, max = 90))]
     pub elevation: f32,
     /// 1 fits everything in; 2 shows it twice as large.
+    #[schemars(range(min = 0.001, max = 1e6))]
     pub zoom: f32,
     /// Vertical angle of view in degrees, within (0, 180).
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub fov: f32,
 }
 

@@ -99,7 +99,7 @@ impl Sight {
             box_width,
             reach,
             bounds,
-            depth: coat.texel.depth(),
+            depth: coat.texels.depth(),
             jacobian: stand.texel_jacobian(patch),
             rule,
         })

@@ -182,7 +182,8 @@ fn study_under(
     let sight = Sight::of(prepared)?;
     let situations = plan.lights.situations(&prepared.scene, &sight, prepared.camera.orientation.y_axis);
     let display = plan.lights.display(&prepared.display, &situations, sight.target);
-    let furry = prepared.scene.coats().iter().any(|coat| coat.texel.name.contains("fur"));
+    let mut texels = prepared.scene.coats().iter().flat_map(|coat| &coat.texels.texels);
+    let furry = texels.any(|(texel, _)| texel.name.contains("fur"));
     let goals = plan.goals.unwrap_or(if furry { Goals::FUR } else { Goals::STANDARD });
     let mut rendering = Rendering { prepared, plan, situations: &situations };
     let mut stations: Vec<(String, Distance, Station)> = Vec::new();

@@ -5,8 +5,10 @@
 //! Longer than most files here: each creature is described once, in plain numbers.
 
 mod calf;
+mod dressed;
 mod gallery;
 mod hypertexture;
+mod net;
 mod part;
 mod standard;
 
@@ -26,6 +28,7 @@ fn main() -> io::Result<()> {
     fs::write(folder.join("fluff.mtl"), mtl)?;
     fs::write(folder.join("fluff.toml"), SCENE)?;
     fs::write(folder.join("stage.glb"), stage()?)?;
+    fs::write(folder.join("dressed.glb"), dressed::dressed())?;
     calf::write(folder)?;
     gallery::write(&folder.join("gallery"))?;
     hypertexture::write(&folder.join("gallery"))?;
@@ -412,19 +415,7 @@ fn stage() -> io::Result<Vec<u8>> {
         views.join(","),
         bin.len()
     );
-    let mut json = json.into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut glb = Vec::new();
-    glb.extend_from_slice(b"glTF");
-    for word in [2, (12 + 8 + json.len() + 8 + bin.len()) as u32, json.len() as u32] {
-        glb.extend_from_slice(&word.to_le_bytes());
-    }
-    glb.extend_from_slice(b"JSON");
-    glb.extend_from_slice(&json);
-    glb.extend_from_slice(&(bin.len() as u32).to_le_bytes());
-    glb.extend_from_slice(b"BIN\0");
-    glb.extend_from_slice(&bin);
-    Ok(glb)
+    Ok(dressed::glb(json, &bin))
 }
 
 /// 16 × 16 pixels: four squares of sRGB (230, 225, 210) and (60, 80, 110), the first at the upper left.

@@ -6,7 +6,7 @@ use pelage_geom::Mesh;
 
 use super::dress::Selection;
 use super::read;
-use crate::error::{Error, FieldError};
+use crate::error::Error;
 use crate::import::Imported;
 use crate::names;
 use crate::scene_file::{CageEntry, SceneFile};
@@ -34,7 +34,7 @@ pub(super) fn put_on(
         }
         placed.insert(origin, part.meshes);
     }
-    let fail = |reason: String| FieldError { file: file.path.clone(), field: field.clone(), reason };
+    let fail = |reason: String| file.fault(&field, reason);
     let mut taken = BTreeMap::new();
     for selection in selections {
         let (origin, below) = (origins[selection.mesh], &imported.meshes[selection.mesh].name);

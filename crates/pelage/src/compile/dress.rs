@@ -3,12 +3,11 @@
 use glam::Vec3;
 use pelage_geom::{Face, Mesh};
 use pelage_skin::groom::{Effect, GroomOptions, groom};
-use pelage_skin::{Folds, Layout, Mending, Skin, SkinOptions, cage, extrude, mean_height};
+use pelage_skin::{Folds, Layout, Mending, Skin, SkinError, SkinOptions, cage, extrude, mean_height};
 
 use super::Loaded;
-use crate::error::{Error, FieldError};
+use crate::error::Error;
 use crate::import::Imported;
-use crate::names;
 use crate::scene_file::{SceneFile, SkinEntry};
 
 /// The faces of a mesh that wear a skin.
@@ -40,8 +39,14 @@ impl Loaded {
     /// # Errors
     /// What [`extrude`], [`cage`] and [`groom`] refuse.
     pub fn extrude(&self) -> Result<Vec<Dressed>, Error> {
+        let skins: Result<Vec<_>, Error> = (0..self.dressed.len()).map(|entry| self.raise(entry)).collect();
+        Ok(skins?.into_iter().flatten().collect())
+    }
+
+    /// The same of one skin.
+    pub(crate) fn raise(&self, entry: usize) -> Result<Vec<Dressed>, Error> {
         let mut skins = Vec::new();
-        for (entry, (skin, selections)) in self.file.skin.iter().zip(&self.dressed).enumerate() {
+        if let (Some(skin), Some(selections)) = (self.file.skin.get(entry), self.dressed.get(entry)) {
             let bounds = selections.iter().filter_map(|s| self.imported.meshes[s.mesh].bounds());
             let common_height = skin.height.unwrap_or_else(|| height_for(bounds));
             let (steps, folds_in_the_end) = (&self.grooms[entry], skin.folds);
@@ -50,7 +55,11 @@ impl Loaded {
                 let on = &self.imported.meshes[*mesh];
                 let selected = |face: usize| selected[face];
                 let height = top.as_ref().map_or(common_height, |top| mean_height(on, top, &selected));
-                let per_patch = on.uvs.is_none() || skin.layout == Layout::PerPatch;
+                let per_patch = match skin.layout {
+                    Layout::PerPatch => true,
+                    Layout::Conformal => false,
+                    Layout::Auto | Layout::Uv => on.uvs.is_none(),
+                };
                 let by_faces = || per_patch.then(|| copies_per_side(on, aspect * height));
                 let options = SkinOptions {
                     tiling: skin.tiling.or_else(by_faces),
@@ -66,8 +75,8 @@ impl Loaded {
                     Some(top) => cage(on, top, &selected, &options),
                 };
                 let fault = |source| {
-                    let field = format!("{}: skin[{entry}]", self.file.path.display());
-                    Error::Skin { field, source }
+                    let (part, source) = part_of(source);
+                    Error::Skin { field: self.file.field(&format!("skin[{entry}]{part}")), source }
                 };
                 let mut skin = made.map_err(fault)?;
                 let mut effects = Vec::new();
@@ -82,6 +91,22 @@ impl Loaded {
         }
         Ok(skins)
     }
+}
+
+/// The field of a skin that an error is about, and the error.
+fn part_of(error: SkinError) -> (String, SkinError) {
+    let part = match error {
+        SkinError::Groom { step, reason } => return (format!(".groom[{step}]"), *reason),
+        SkinError::Top(_)
+        | SkinError::CageFaces { .. }
+        | SkinError::CageCorners { .. }
+        | SkinError::CageVertices { .. } => ".cage",
+        SkinError::NoUvs { .. } | SkinError::ConformalSize { .. } => ".layout",
+        SkinError::NothingSelected { .. } => ".on",
+        SkinError::Folded { .. } | SkinError::StillFolded { .. } => ".folds",
+        _ => "",
+    };
+    (part.into(), error)
 }
 
 /// The faces that a skin's names select, by mesh.
@@ -100,10 +125,7 @@ pub(super) fn select(
         if !meshes.iter().any(|mesh| wears(mesh, name)) {
             let known =
                 meshes.iter().map(|m| m.name.as_str()).chain(materials.iter().map(|m| m.name.as_str()));
-            let reason = names::unknown("mesh or material", name, known);
-            return Err(
-                FieldError { file: file.path.clone(), field: format!("skin[{index}].on"), reason }.into()
-            );
+            return Err(file.unknown(format!("skin[{index}].on"), "mesh or material", name, known).into());
         }
     }
     let selected = |mesh: &Mesh| -> Vec<bool> {

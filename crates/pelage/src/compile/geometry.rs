@@ -8,7 +8,7 @@ use pelage_skin::tessellate::{
 };
 use pelage_tracer::Light;
 
-use crate::error::Error;
+use crate::error::{Error, Field};
 use crate::import::{Fault, Files, ImportOptions, Imported, Place, Textures, import};
 use crate::scene_file::{GeometryEntry, SceneFile, SurfaceEntry};
 
@@ -16,7 +16,10 @@ use crate::scene_file::{GeometryEntry, SceneFile, SurfaceEntry};
 pub(super) fn load(file: &SceneFile, index: usize) -> Result<Imported, Error> {
     let (entry, field) = (&file.geometry[index], format!("geometry[{index}]"));
     match &entry.surface {
-        None => read(file, entry.file.as_deref().unwrap_or_default(), entry, &format!("{field}.file")),
+        None => match &entry.file {
+            Some(reference) => read(file, reference, entry, &format!("{field}.file")),
+            None => Err(file.fault(field, "needs either a `file` or a `surface`").into()),
+        },
         Some(surface) => {
             let mut part = tessellated(file, entry, surface, &field)?;
             shape(&mut part, file, entry, &field)?;
@@ -58,18 +61,30 @@ fn parametric(file: &SceneFile, surface: &SurfaceEntry, field: &str) -> Result<P
         }
         SurfaceEntry::Heightfield { image, size, height } => {
             let files = Files::around(&file.path, &file.allow_dirs, ImportOptions::default().limits)?;
-            let values = Textures::default().open_values(&image, &files).map_err(|e| {
-                let field = format!("{field}.surface.heightfield.image");
-                e.of(&image).at(&file.path, Place::Field(field))
-            })?;
+            let field = format!("{field}.surface.heightfield.image");
+            let values = Textures::default().open_values(&image, &files);
+            let values = values.map_err(|fault| file.referred(&field, &image, fault))?;
+            let [columns, rows] = values.size();
+            if columns < 2 || rows < 2 {
+                let reason =
+                    format!("`{image}` has {columns} × {rows} pixels, and heights need 2 × 2 or more");
+                return Err(file.fault(field, reason).into());
+            }
             let heights = values.pixels().iter().map(|p| height * (p.x + p.y + p.z) / 3.0).collect();
-            Parametric::Heightfield { size, heights, columns: values.size()[0] }
+            Parametric::Heightfield { size, heights, columns }
         }
     })
 }
 
 fn fault(file: &SceneFile, field: &str, source: SkinError) -> Error {
-    Error::Skin { field: format!("{}: {field}", file.path.display()), source }
+    let part = match &source {
+        SkinError::Surface { surface, field, .. } => format!(".surface.{surface}.{field}"),
+        SkinError::TooFine { .. } => ".errors".into(),
+        _ => String::new(),
+    };
+    // What the field is, the message says already.
+    let span = file.field(&format!("{field}{part}")).span;
+    Error::Skin { field: Field { span, ..file.field(field) }, source }
 }
 
 /// Subdivides all that an entry holds and puts it in its place.
@@ -114,10 +129,7 @@ pub(super) fn read(
 /// Checks that the file that `field` of a scene refers to is there, under the scene's folder or one that is allowed.
 pub(super) fn resolve(file: &SceneFile, reference: &str, field: &str) -> Result<(), Error> {
     let files = Files::around(&file.path, &file.allow_dirs, ImportOptions::default().limits)?;
-    files
-        .resolve(reference)
-        .map_err(|fault| fault.of(reference).at(&file.path, Place::Field(field.to_owned())))?;
-    Ok(())
+    files.resolve(reference).map(|_| ()).map_err(|fault| file.referred(field, reference, fault))
 }
 
 /// Scales, turns and moves all that a file holds.
@@ -232,7 +244,7 @@ mod tests {
             ),
             (
                 "surface = { ball = { radius = 1 } }",
-                "scene.toml:1: unknown variant `ball`, expected one of `plane`",
+                "scene.toml:1:28: geometry[0].surface: there is no kind `ball`: there are `bezier`, `bspline`",
             ),
             (
                 "surface = { bezier = { points = [] } }",

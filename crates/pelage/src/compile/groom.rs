@@ -5,9 +5,10 @@ use std::sync::Arc;
 use pelage_geom::{MaterialId, Texture};
 use pelage_skin::groom::{Mask, Region, Step};
 
+use super::Note;
 use super::dress::Selection;
-use crate::error::{Error, FieldError};
-use crate::import::{Fault, Files, ImportOptions, Imported, Place, Textures};
+use crate::error::Error;
+use crate::import::{Files, ImportOptions, Imported, Textures};
 use crate::names;
 use crate::scene_file::{BoxEntry, ImageEntry, MaskEntry, RegionEntry, SceneFile, SphereEntry};
 
@@ -17,16 +18,23 @@ pub(super) fn steps(
     index: usize,
     selections: &[Selection],
     imported: &Imported,
+    note: Note<'_>,
 ) -> Result<Vec<Step>, Error> {
     let resolver = Resolver { file, selections, imported };
-    let entries = file.skin[index].groom.iter().enumerate();
-    entries
-        .map(|(step, entry)| {
-            let field = format!("skin[{index}].groom[{step}].where");
-            let masks = entry.masks.iter().map(|mask| resolver.mask(mask, &field));
-            Ok(Step { operation: entry.operation.clone(), masks: masks.collect::<Result<_, Error>>()? })
-        })
-        .collect()
+    let mut steps = Vec::new();
+    for (step, entry) in file.skin[index].groom.iter().enumerate() {
+        let mut masks = Vec::new();
+        for (i, mask) in entry.masks.iter().enumerate() {
+            // A table that stands alone has no number.
+            let number = if entry.masks.len() == 1 { String::new() } else { format!("[{i}]") };
+            match resolver.mask(mask, &format!("skin[{index}].groom[{step}].where{number}")) {
+                Ok(mask) => masks.push(mask),
+                Err(error) => note(error)?,
+            }
+        }
+        steps.push(Step { operation: entry.operation.clone(), masks });
+    }
+    Ok(steps)
 }
 
 struct Resolver<'a> {
@@ -54,7 +62,7 @@ impl Resolver<'_> {
     }
 
     fn fail(&self, field: String, reason: String) -> Error {
-        FieldError { file: self.file.path.clone(), field, reason }.into()
+        self.file.fault(field, reason).into()
     }
 
     fn materials(&self, wanted: &[String], field: &str) -> Result<Vec<MaterialId>, Error> {
@@ -66,7 +74,7 @@ impl Resolver<'_> {
             found.extend(called.map(|(i, _)| MaterialId(i as u32)));
             if found.len() == before {
                 let known = materials.iter().map(|m| m.name.as_str());
-                return Err(self.fail(format!("{field}.material"), names::unknown("material", name, known)));
+                return Err(self.file.unknown(format!("{field}.material"), "material", name, known).into());
             }
         }
         Ok(found)
@@ -97,7 +105,7 @@ impl Resolver<'_> {
         }
         let files = Files::around(path, &self.file.allow_dirs, ImportOptions::default().limits)?;
         let texture = Textures::default().open_values(&entry.file, &files);
-        let at = |fault: Fault| fault.of(&entry.file).at(path, Place::Field(format!("{field}.image")));
+        let at = |fault| self.file.referred(&format!("{field}.image"), &entry.file, fault);
         Ok(Arc::new(texture.map_err(at)?))
     }
 }
@@ -166,12 +174,12 @@ mod tests {
                 "skin[0].groom[0].where.image: refers to `../a.png`, which is outside",
             ),
             ("{ image = 'not.png' }", "skin[0].groom[0].where.image: `not.png`: the image cannot be decoded"),
-            ("{ patches = [16] }", "skin[0]: groom[0]: mask: patch 16 does not exist: there are 16"),
+            ("{ patches = [16] }", "skin[0].groom[0]: mask: patch 16 does not exist: there are 16"),
             (
                 "{ sphere = { centre = [0, 0, 0], radius = -1 } }",
                 "skin[0].groom[0].where.sphere.radius: must not be",
             ),
-            ("{ ball = 1 }", "scene.toml:6: unknown field `ball`, expected one of"),
+            ("{ ball = 1 }", "scene.toml:6:11: skin[0].groom[0].where: there is no field `ball`: there are"),
         ] {
             let scene = loaded(&format!("[[skin.groom]]\nscale = 2\nwhere = {mask}\n"));
             let error = scene.and_then(|scene| scene.extrude()).expect_err(mask).to_string();

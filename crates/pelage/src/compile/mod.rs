@@ -14,7 +14,7 @@ use glam::Vec3;
 use pelage_skin::groom::Step;
 use pelage_texel::Texel;
 use pelage_tracer::reference::ReferenceSettings;
-use pelage_tracer::{Camera, Coat, Description, Environment, Light, Rect, Scene, Settings};
+use pelage_tracer::{Camera, Coat, Description, Environment, Light, Rect, Scene, Settings, Variety};
 
 pub use dress::Dressed;
 use dress::Selection;
@@ -24,10 +24,12 @@ pub use prepared::Prepared;
 use crate::choices::Method;
 use crate::error::{Error, FieldError};
 use crate::import::Imported;
-use crate::names;
 use crate::output::Display;
-use crate::scene_file::{CameraEntry, LightEntry, SceneFile};
+use crate::scene_file::{CameraEntry, LightEntry, SceneFile, SkinEntry, VarietyEntry};
 use crate::staging;
+
+/// Takes a mistake: to give it back, which ends everything, or to go on without what is wrong.
+pub(crate) type Note<'a> = &'a mut dyn FnMut(Error) -> Result<(), Error>;
 
 /// A scene whose files have been read.
 #[derive(Debug)]
@@ -40,8 +42,8 @@ pub struct Loaded {
     dressed: Vec<Vec<Selection>>,
     /// What is done to the boxes of each skin.
     grooms: Vec<Vec<Step>>,
-    /// The texel of each skin, where it is in a file.
-    texels: Vec<Option<Arc<Texel>>>,
+    /// The texels that are in files.
+    texels: Vec<texel::Known>,
     /// Which entry of the geometry each mesh comes from.
     origins: Vec<usize>,
 }
@@ -53,25 +55,45 @@ impl Loaded {
     /// A file that cannot be read, a field out of its domain, a name that nothing has.
     pub fn new(file: SceneFile) -> Result<Self, Error> {
         file.validate()?;
+        Self::load(file, &mut Err)
+    }
+
+    /// The same of a scene whose numbers are in their domains. What is wrong is left out if `note` lets it go on.
+    pub(crate) fn load(file: SceneFile, note: Note<'_>) -> Result<Self, Error> {
         let mut imported = Imported::default();
         let mut origins = Vec::new();
         for i in 0..file.geometry.len() {
-            let part = geometry::load(&file, i)?;
-            origins.extend(part.meshes.iter().map(|_| i));
-            imported.append(part);
+            match geometry::load(&file, i) {
+                Ok(part) => {
+                    origins.extend(part.meshes.iter().map(|_| i));
+                    imported.append(part);
+                }
+                Err(error) => note(error)?,
+            }
         }
-        let texels = texel::read_all(&file)?;
+        let texels = texel::read_all(&file, note)?;
         let (mut dressed, mut grooms) = (Vec::new(), Vec::new());
         for (i, skin) in file.skin.iter().enumerate() {
-            let mut selections = dress::select(&file, i, skin, &imported)?;
-            if let Some(entry) = &skin.cage {
-                cage::put_on(&mut selections, &file, i, entry, &mut imported, &origins)?;
+            let mut selections = match dress::select(&file, i, skin, &imported) {
+                Ok(selections) => selections,
+                Err(error) => {
+                    note(error)?;
+                    Vec::new()
+                }
+            };
+            if let Some(entry) = &skin.cage
+                && let Err(error) = cage::put_on(&mut selections, &file, i, entry, &mut imported, &origins)
+            {
+                note(error)?;
+                selections.clear();
             }
-            grooms.push(groom::steps(&file, i, &selections, &imported)?);
+            grooms.push(groom::steps(&file, i, &selections, &imported, note)?);
             dressed.push(selections);
         }
-        if let Some(CameraEntry::Named(name)) = &file.camera {
-            camera_named(&file, &imported.cameras, name)?;
+        if let Some(CameraEntry::Named(name)) = &file.camera
+            && let Err(error) = camera_named(&file, &imported.cameras, name)
+        {
+            note(error.into())?;
         }
         Ok(Self { file, imported, dressed, grooms, texels, origins })
     }
@@ -80,15 +102,18 @@ impl Loaded {
     ///
     /// # Errors
     /// A camera that no file has; parts that do not make a scene.
-    pub fn compile(self, texels: &[Arc<Texel>], skins: Vec<Dressed>) -> Result<Prepared, Error> {
+    pub fn compile(self, texels: &[Vec<Arc<Texel>>], skins: Vec<Dressed>) -> Result<Prepared, Error> {
         let Self { file, imported, origins, .. } = self;
+        // Meshes that wear the same skin have copies of their own.
+        let mut worn = vec![0_u32; file.skin.len()];
         let coats = skins
             .into_iter()
             .filter_map(|dressed| {
-                let entry = file.skin.get(dressed.entry)?;
+                let (entry, worn) = (file.skin.get(dressed.entry)?, worn.get_mut(dressed.entry)?);
+                *worn += 1;
                 Some(Coat {
                     skin: dressed.skin,
-                    texel: texels.get(dressed.entry)?.clone(),
+                    texels: variety(entry, texels.get(dressed.entry)?, *worn - 1),
                     tint: Vec3::from(entry.tint),
                     wears_material: entry.wears_material,
                 })
@@ -154,6 +179,15 @@ impl Loaded {
     }
 }
 
+/// How the texels of a skin stand in the copies on the `mesh`-th of the meshes that wear it.
+fn variety(entry: &SkinEntry, texels: &[Arc<Texel>], mesh: u32) -> Variety {
+    let weights = entry.texels().map(|(_, weight)| weight);
+    let VarietyEntry { turns, mirrors, height, color, seed } = entry.variety;
+    // Far apart, so that no mesh has what another has under the next seed.
+    let seed = seed.wrapping_add(mesh.wrapping_mul(0x9e37_79b9));
+    Variety { texels: texels.iter().cloned().zip(weights).collect(), turns, mirrors, height, color, seed }
+}
+
 fn light_of(entry: &LightEntry) -> Light {
     match *entry {
         LightEntry::Directional { direction, illuminance, angle } => Light::Directional {
@@ -196,10 +230,11 @@ fn camera_of(
 }
 
 fn camera_named(file: &SceneFile, cameras: &[(String, Camera)], name: &str) -> Result<Camera, FieldError> {
-    cameras.iter().find(|(n, _)| n == name).map(|&(_, camera)| camera).ok_or_else(|| {
-        let reason = names::unknown("camera", name, cameras.iter().map(|(n, _)| n.as_str()));
-        FieldError { file: file.path.clone(), field: "camera.named".into(), reason }
-    })
+    cameras
+        .iter()
+        .find(|(n, _)| n == name)
+        .map(|&(_, camera)| camera)
+        .ok_or_else(|| file.unknown("camera.named", "camera", name, cameras.iter().map(|(n, _)| n.as_str())))
 }
 
 #[cfg(test)]
@@ -282,7 +317,7 @@ mod tests {
             |seed: u32| format!("[[skin]]\ntexel.fur = {{ resolution = 4, count = 50, seed = {seed} }}\n");
         let scene = loaded(&format!("{SHEET}{}{}{}", fur(1), fur(2), fur(1))).expect("a scene");
         let texels = scene.bake(&|_| {}).expect("texels");
-        assert!(Arc::ptr_eq(&texels[0], &texels[2]) && !Arc::ptr_eq(&texels[0], &texels[1]));
+        assert!(Arc::ptr_eq(&texels[0][0], &texels[2][0]) && !Arc::ptr_eq(&texels[0][0], &texels[1][0]));
     }
 
     /// The sheet, 0.2 m higher.

@@ -5,13 +5,17 @@ use std::path::Path;
 
 use glam::Vec3;
 use pelage_tracer::reference::{self, ReferenceError, ReferenceSettings};
-use pelage_tracer::{Camera, Environment, Film, Progress, Rect, RenderError, Scene, Settings, render};
+use pelage_tracer::{
+    Aovs, Camera, Environment, Film, Progress, Rect, RenderError, Scene, Settings, render, render_aovs,
+};
 
 use crate::choices::Background;
 use crate::compose::{Backdrop, over};
 use crate::error::Error;
 use crate::import::srgb_to_linear;
-use crate::output::{Display, ExrOptions, Format, OutputError, write_exr, write_png};
+use crate::output::{
+    Aov, Display, ExrOptions, Format, OutputError, Tone, false_color, write_exr, write_exr_with, write_png,
+};
 
 /// A scene that can be rendered.
 pub struct Prepared {
@@ -61,6 +65,37 @@ impl Prepared {
             Format::Png => write_png(&film, path, &self.display),
             Format::Exr => write_exr(&film, path, &ExrOptions { camera: Some(self.camera) }),
         }
+    }
+
+    /// Looks at what the picture shows besides its colour.
+    ///
+    /// # Errors
+    /// Settings out of their domain.
+    pub fn aovs(&self) -> Result<Aovs, Error> {
+        Ok(render_aovs(&self.scene, &self.camera, &self.settings)?)
+    }
+
+    /// Writes the film as [`Prepared::write`] does to an EXR file, and some of `aovs` as further channels.
+    ///
+    /// # Errors
+    /// [`OutputError`]; a file of that name is then what it was before.
+    pub fn write_with(
+        &self,
+        film: &Film,
+        aovs: &Aovs,
+        wanted: &[Aov],
+        path: &Path,
+    ) -> Result<(), OutputError> {
+        let film = over(film, &self.camera, &self.backdrop(Format::Exr));
+        write_exr_with(&film, aovs, wanted, path, &ExrOptions { camera: Some(self.camera) })
+    }
+
+    /// Writes one of `aovs` in false colours, as a PNG file.
+    ///
+    /// # Errors
+    /// [`OutputError`]; a file of that name is then what it was before.
+    pub fn write_false_color(&self, aovs: &Aovs, which: Aov, path: &Path) -> Result<(), OutputError> {
+        write_png(&false_color(aovs, which), path, &Display { exposure: 1.0, tone: Tone::None })
     }
 
     fn backdrop(&self, format: Format) -> Backdrop {

@@ -18,12 +18,13 @@ use pelage_tracer::{Camera, Light};
 
 pub use error::{Fault, ImportError, Place, Warning};
 pub(crate) use files::{Files, extension};
+pub(crate) use gltf::text as gltf_text;
 pub(crate) use image::Textures;
 pub use image::srgb_to_linear;
 pub use strand::Strand;
 
 /// Which axis points upwards in a file that does not say (OBJ).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Up {
     /// +Y, as in glTF.

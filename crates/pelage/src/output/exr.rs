@@ -1,17 +1,17 @@
-//! OpenEXR: the film as it is. [EXR]
+//! OpenEXR: the film as it is, and what it shows besides. [EXR]
 
 use std::io;
 use std::path::Path;
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
-    Blocks, Compression, Encoding, Image, ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder,
-    SpecificChannels, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes,
+    IntegerBounds, Layer, LayerAttributes, LineOrder, Text, Vec2, WritableImage,
 };
 use glam::Mat4;
-use pelage_tracer::{Camera, Film};
+use pelage_tracer::{Aovs, Camera, Film, Pixel};
 
-use super::{OutputError, check, replace};
+use super::{Aov, OutputError, check, replace};
 
 /// What an EXR file tells besides its pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,19 +29,61 @@ pub struct ExrOptions {
 /// # Errors
 /// [`OutputError`]; a file of that name is then what it was before.
 pub fn write_exr(film: &Film, path: &Path, options: &ExrOptions) -> Result<(), OutputError> {
+    write(film, Vec::new(), path, options)
+}
+
+/// The same with some of `aovs`, of the same size, as further channels; [`Aov`] tells their names.
+///
+/// # Errors
+/// As [`write_exr`], and layers of another size than the film's.
+pub fn write_exr_with(
+    film: &Film,
+    aovs: &Aovs,
+    wanted: &[Aov],
+    path: &Path,
+    options: &ExrOptions,
+) -> Result<(), OutputError> {
+    let expected = film.pixels.len();
+    let lengths = [aovs.patch.len(), aovs.stretch.len(), aovs.normal.len()];
+    if let Some(&pixels) = lengths.iter().find(|&&length| length != expected) {
+        return Err(OutputError::Layers { pixels, expected });
+    }
+    let mut channels = Vec::new();
+    for aov in Aov::ALL.into_iter().filter(|aov| wanted.contains(aov)) {
+        let name = aov.name();
+        match aov {
+            Aov::Patch => channels.push(AnyChannel::new(name, FlatSamples::U32(aovs.patch.clone()))),
+            Aov::Stretch => channels.push(AnyChannel::new(name, FlatSamples::F32(aovs.stretch.clone()))),
+            Aov::Normal => channels.extend(["X", "Y", "Z"].into_iter().enumerate().map(|(axis, letter)| {
+                let values = aovs.normal.iter().map(|n| n[axis]).collect();
+                AnyChannel::new(format!("{name}.{letter}").as_str(), FlatSamples::F32(values))
+            })),
+        }
+    }
+    write(film, channels, path, options)
+}
+
+fn write(
+    film: &Film,
+    more: Vec<AnyChannel<FlatSamples>>,
+    path: &Path,
+    options: &ExrOptions,
+) -> Result<(), OutputError> {
     check(film)?;
     let window = film.window;
     let size = Vec2(window.width as usize, window.height as usize);
-    let channels = SpecificChannels::build()
-        .with_channel("R")
-        .with_channel("G")
-        .with_channel("B")
-        .with_channel("A")
-        .with_channel("Z")
-        .with_pixel_fn(|Vec2(x, y): Vec2<usize>| {
-            let pixel = &film.pixels[y * size.x() + x];
-            (pixel.color.x, pixel.color.y, pixel.color.z, pixel.alpha, pixel.depth)
-        });
+    let channel = |name: &str, value: &dyn Fn(&Pixel) -> f32| {
+        AnyChannel::new(name, FlatSamples::F32(film.pixels.iter().map(value).collect()))
+    };
+    let mut channels = more;
+    channels.extend([
+        channel("R", &|p| p.color.x),
+        channel("G", &|p| p.color.y),
+        channel("B", &|p| p.color.z),
+        channel("A", &|p| p.alpha),
+        channel("Z", &|p| p.depth),
+    ]);
+    let channels = AnyChannels::sort(channels.into());
     let attributes = LayerAttributes {
         layer_position: Vec2(window.x as i32, window.y as i32),
         software_name: Text::new_or_none(concat!("pelage ", env!("CARGO_PKG_VERSION"))),

@@ -1,5 +1,6 @@
 //! Films to picture files. A file appears whole or not at all.
 
+mod aov;
 mod exr;
 mod png;
 
@@ -10,7 +11,8 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 use pelage_tracer::Film;
 
-pub use exr::{ExrOptions, write_exr};
+pub use aov::{Aov, false_color};
+pub use exr::{ExrOptions, write_exr, write_exr_with};
 pub use png::{encode_png, write_png};
 
 use crate::import::extension;
@@ -47,6 +49,14 @@ pub enum OutputError {
         /// What the system says.
         source: io::Error,
     },
+    /// What is to be written beside the film is not of its size.
+    #[error("the layers have {pixels} pixels beside a film of {expected}")]
+    Layers {
+        /// How many pixels they hold.
+        pixels: usize,
+        /// How many the film has.
+        expected: usize,
+    },
     /// The film has not as many pixels as its window, or none.
     #[error("the film has {pixels} pixels for a window of {width}x{height}")]
     Film {
@@ -75,7 +85,7 @@ impl Default for Display {
 }
 
 /// How what is brighter than the screen is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
     /// Cut off at 1.

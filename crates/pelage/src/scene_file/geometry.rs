@@ -2,13 +2,14 @@
 
 use glam::Vec3;
 use pelage_skin::tessellate::Bounds;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::{one, yes};
 use crate::import::Up;
 
 /// A mesh file or a surface, and where it stands: subdivided, scaled, turned, then moved.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GeometryEntry {
     /// A path relative to the scene file.
@@ -19,6 +20,7 @@ pub struct GeometryEntry {
     pub surface: Option<SurfaceEntry>,
     /// Patches of a surface along u and v; 32 each by default.
     #[serde(default)]
+    #[schemars(inner(range(min = 1)))]
     pub patches: Option<[u32; 2]>,
     /// Errors that a surface must keep within, instead of `patches`.
     #[serde(default)]
@@ -31,18 +33,22 @@ pub struct GeometryEntry {
     pub color: Option<[f32; 3]>,
     /// How often Catmull and Clark's rule is applied.
     #[serde(default)]
+    #[schemars(range(max = 10))]
     pub subdivide: u32,
     /// Degrees between two faces from which on their edge stays sharp when subdivided.
     #[serde(default = "flat")]
+    #[schemars(range(min = 0, max = 180))]
     pub crease_angle: f32,
     /// The vertical axis of an OBJ file.
     #[serde(default)]
     pub up: Up,
     /// Metres in one unit of the file.
     #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub unit: f32,
     /// Factor of its size.
     #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale: f32,
     /// Degrees about x, then y, then z.
     #[serde(default)]
@@ -56,7 +62,7 @@ pub struct GeometryEntry {
 }
 
 /// A surface over two parameters. Lengths in metres.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum SurfaceEntry {
     /// A rectangle about the origin, facing +Y.
@@ -79,11 +85,13 @@ pub enum SurfaceEntry {
     /// A bicubic Bézier patch.
     Bezier {
         /// 16 control points, row by row.
+        #[schemars(with = "Vec<[f32; 3]>")]
         points: Vec<Vec3>,
     },
     /// A uniform bicubic B-spline surface.
     Bspline {
         /// Control points, row by row.
+        #[schemars(with = "Vec<[f32; 3]>")]
         points: Vec<Vec3>,
         /// How many are in a row.
         columns: u32,
@@ -118,6 +126,14 @@ impl GeometryEntry {
             translate: [0.0; 3],
             visible: true,
         }
+    }
+}
+
+impl GeometryEntry {
+    /// The same file or surface, as it stands.
+    pub(crate) fn as_it_stands(&self) -> Self {
+        let Self { file, surface, name, up, .. } = self.clone();
+        Self { file, surface, name, up, ..Self::new("") }
     }
 }
 

@@ -1,5 +1,6 @@
 //! `[[skin.groom]]`: what is done to a skin's vectors, and where.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -7,10 +8,12 @@ use glam::Vec3;
 use pelage_skin::groom::{
     Channel, Clump, Comb, Noise, Operation, Part, Plane, Smooth, Swirl, Tilt, Turn, Wind,
 };
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::{Deserialize, Deserializer, de};
 
-use super::names;
+use super::name_or_names;
+use crate::schema;
 
 /// One operation and its masks, as in `{ scale = 0.5, where = { sphere = { … } } }`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -22,27 +25,49 @@ pub struct GroomEntry {
     pub masks: Vec<MaskEntry>,
 }
 
-/// Everything that a step may hold.
-#[derive(Deserialize)]
+/// One thing that is done to the vectors of a skin, and where.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = schema::one_operation)]
 struct Fields {
+    /// Where: masks, whose weights multiply; everywhere without any.
     #[serde(default, rename = "where", deserialize_with = "one_or_more")]
+    #[schemars(schema_with = "schema::one_or_more::<MaskEntry>")]
     masks: Vec<MaskEntry>,
+    /// Multiplies lengths.
+    #[schemars(range(max = 1000), extend("exclusiveMinimum" = 0))]
     scale: Option<f32>,
+    /// Sets lengths, in metres.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     height: Option<f32>,
     tilt: Option<Tilt>,
     comb: Option<Comb>,
     part: Option<Part>,
     swirl: Option<Swirl>,
     noise: Option<Noise>,
+    /// Bends them down; 1 is 45° on a wall.
+    #[schemars(range(min = 0, max = 100))]
     gravity: Option<f32>,
     wind: Option<Wind>,
     trim: Option<Plane>,
     clump: Option<Clump>,
     smooth: Option<Smooth>,
+    density: Option<f32>,
+    /// Moves where they reach, in metres.
     #[serde(rename = "move")]
+    #[schemars(with = "Option<[f32; 3]>")]
     moved: Option<Vec3>,
     turn: Option<Turn>,
+}
+
+impl JsonSchema for GroomEntry {
+    fn schema_name() -> Cow<'static, str> {
+        "Groom".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Fields::json_schema(generator)
+    }
 }
 
 impl TryFrom<Fields> for GroomEntry {
@@ -50,7 +75,7 @@ impl TryFrom<Fields> for GroomEntry {
 
     fn try_from(fields: Fields) -> Result<Self, String> {
         let Fields { masks, scale, height, tilt, comb, part, swirl, noise, gravity, .. } = fields;
-        let Fields { wind, trim, clump, smooth, moved, turn, .. } = fields;
+        let Fields { wind, trim, clump, smooth, density, moved, turn, .. } = fields;
         let given: Vec<Operation> = [
             scale.map(Operation::Scale),
             height.map(Operation::Height),
@@ -64,6 +89,7 @@ impl TryFrom<Fields> for GroomEntry {
             trim.map(Operation::Trim),
             clump.map(Operation::Clump),
             smooth.map(Operation::Smooth),
+            density.map(Operation::Density),
             moved.map(Operation::Move),
             turn.map(Operation::Turn),
         ]
@@ -110,10 +136,11 @@ pub enum RegionEntry {
 }
 
 /// A ball that fades: all of the operation within `radius`, none beyond `radius + falloff`. Metres.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereEntry {
     /// Its centre.
+    #[schemars(with = "[f32; 3]")]
     pub centre: Vec3,
     /// Not negative.
     pub radius: f32,
@@ -123,12 +150,14 @@ pub struct SphereEntry {
 }
 
 /// A box that fades over `falloff` beyond its faces. Metres.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxEntry {
     /// The smallest coordinates.
+    #[schemars(with = "[f32; 3]")]
     pub min: Vec3,
     /// The largest.
+    #[schemars(with = "[f32; 3]")]
     pub max: Vec3,
     /// Not negative.
     #[serde(default)]
@@ -136,7 +165,7 @@ pub struct BoxEntry {
 }
 
 /// An image over the texture coordinates. Its numbers count as they are: half grey is one half.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ImageEntry {
     /// A path relative to the scene file.
@@ -146,22 +175,41 @@ pub struct ImageEntry {
     pub channel: Channel,
 }
 
-/// Everything that a mask may hold.
-#[derive(Deserialize)]
+/// Where a step acts: one region.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = schema::one_region)]
 struct MaskFields {
     sphere: Option<SphereEntry>,
     #[serde(rename = "box")]
     cuboid: Option<BoxEntry>,
+    /// What wears one of these materials.
     #[serde(default, deserialize_with = "some_names")]
+    #[schemars(schema_with = "schema::names")]
     material: Option<Vec<String>>,
+    /// Boxes of the skin, by their index.
     patches: Option<Vec<u32>>,
+    /// Vertices of the skin, by their index.
     vertices: Option<Vec<u32>>,
+    /// A vertex attribute of a glTF file, as in `_LENGTH` or `COLOR_0.r`.
     attribute: Option<String>,
+    /// Where an image over the texture coordinates is white.
     #[serde(default, deserialize_with = "image")]
+    #[schemars(schema_with = "schema::path_or::<ImageEntry>")]
     image: Option<ImageEntry>,
+    /// Takes 1 minus the weight.
     #[serde(default)]
     invert: bool,
+}
+
+impl JsonSchema for MaskEntry {
+    fn schema_name() -> Cow<'static, str> {
+        "Mask".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        MaskFields::json_schema(generator)
+    }
 }
 
 impl TryFrom<MaskFields> for MaskEntry {
@@ -234,7 +282,7 @@ impl RegionEntry {
 }
 
 fn some_names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<String>>, D::Error> {
-    names(deserializer).map(Some)
+    name_or_names(deserializer).map(Some)
 }
 
 /// Reads a path, or a table.
@@ -281,8 +329,11 @@ fn one_or_more<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) 
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use pelage_skin::groom::Field;
 
+    use super::super::Source;
     use super::*;
 
     #[derive(Deserialize)]
@@ -291,8 +342,8 @@ mod tests {
     }
 
     fn parse(text: &str) -> Result<GroomEntry, String> {
-        let holder = toml::from_str::<Holder>(&format!("[[groom]]\n{text}\n"));
-        holder.map(|mut h| h.groom.remove(0)).map_err(|e| e.message().to_owned())
+        let source = Source::parse(&format!("[[groom]]\n{text}\n"), Path::new("s.toml")).expect("TOML");
+        source.read::<Holder>().map(|mut h| h.groom.remove(0)).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -322,16 +373,16 @@ mod tests {
                 "scale = 1\ngravity = 1",
                 "a step of a groom does one thing, as in `scale = 0.5`, and this one does 2",
             ),
-            ("scal = 1", "unknown field `scal`, expected one of `where`, `scale`, "),
-            ("tilt = { angle = 3 }", "missing field `towards`"),
-            ("tilt = { towards = [1, 0], angle = 3 }", "invalid length 2, expected "),
+            ("scal = 1", "there is no field `scal`: did you mean `scale`?"),
+            ("tilt = { angle = 3 }", "the field `towards` is missing"),
+            ("tilt = { towards = [1, 0], angle = 3 }", "found a list of 2: expected a list of 3 numbers"),
             ("gravity = 1\nwhere = {}", "a mask needs a region, as in `where = { material = \"Fur\" }`"),
-            ("gravity = 1\nwhere = 3", "invalid type: integer `3`, expected a table or a list of tables"),
+            ("gravity = 1\nwhere = 3", "found 3: expected a table or a list of tables"),
             ("gravity = 1\nwhere = { patches = [1], vertices = [2] }", "a mask has one region: "),
-            ("comb = { along = { up = 1 } }", "unknown variant `up`, expected one of `vector`, `curve`, "),
+            ("comb = { along = { up = 1 } }", "there is no kind `up`: did you mean `uv`?"),
         ] {
             let error = parse(text).unwrap_err();
-            assert!(error.starts_with(message), "{text}: {error}");
+            assert!(error.contains(&format!(": {message}")), "{text}: {error}");
         }
         for (text, field) in [
             ("scale = 0", "scale"),

@@ -1,9 +1,10 @@
 //! What grows on a skin, as it is described: a kind, one of its presets, and what is different from it; or a texel file.
 
+use std::fmt;
 use std::path::PathBuf;
 
-use pelage_texel::{BuildError, Kind, Preset, Procedure};
-use serde::de::{self, Error};
+use pelage_texel::{BuildError, Kind, Preset, Procedure, Value};
+use serde::de::{self, DeserializeSeed, Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::names;
@@ -76,6 +77,26 @@ impl TexelEntry {
         }
     }
 
+    /// The same, grown from the seed that is `count` after its own; itself where there is none.
+    pub(super) fn with_seed_after(&self, count: u32) -> Self {
+        let Self::Grown { kind, resolution } = self else { return self.clone() };
+        let reseeded = || {
+            let mut table = toml::Table::try_from(kind).ok()?;
+            let seed = table.get_mut(kind.name())?.get_mut("seed")?;
+            *seed = seed.as_integer()?.wrapping_add(count.into()).max(0).into();
+            table.try_into().ok()
+        };
+        Self::Grown { kind: reseeded().unwrap_or_else(|| kind.clone()), resolution: *resolution }
+    }
+
+    /// The texel of the kind that a key of a table names, from the key's value.
+    pub(super) fn of_kind<'de, A: MapAccess<'de>>(kind: &str, table: &mut A) -> Result<Self, A::Error> {
+        match kind {
+            "file" => table.next_value().map(Self::File),
+            kind => table.next_value_seed(Fields::of(kind).map_err(A::Error::custom)?),
+        }
+    }
+
     /// Checks every number.
     ///
     /// # Errors
@@ -109,17 +130,83 @@ fn preset(kind: &str, name: Option<&str>) -> Result<Preset, String> {
     })
 }
 
-impl<'de> Deserialize<'de> for TexelEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let table = toml::Table::deserialize(deserializer)?;
-        let mut kinds = table.into_iter();
-        match (kinds.next(), kinds.next()) {
-            (Some((kind, toml::Value::Table(fields))), None) => described(&kind, fields),
-            (Some((word, value)), None) if word == "file" => read("file", value).map(Self::File),
-            (Some((kind, _)), None) => Err(format!("`{kind}` must be a table, as in `texel.{kind} = {{}}`")),
-            _ => Err("a texel is of one kind, as in `texel.fur = {}`".into()),
+/// One of a few words.
+pub(super) struct OneOf<'a>(pub &'a str, pub Vec<&'static str>);
+
+impl<'de> DeserializeSeed<'de> for OneOf<'_> {
+    type Value = String;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<String, D::Error> {
+        let word = String::deserialize(deserializer)?;
+        let Self(what, words) = self;
+        if words.contains(&word.as_str()) {
+            Ok(word)
+        } else {
+            Err(D::Error::custom(names::unknown(what, &word, words.into_iter())))
         }
-        .map_err(D::Error::custom)
+    }
+}
+
+/// The fields of a kind. They are read one by one, so that a message can say which one is wrong, and where it is.
+struct Fields {
+    kind: Kind,
+}
+
+impl Fields {
+    fn of(kind: &str) -> Result<Self, String> {
+        Ok(Self { kind: (preset(kind, None)?.make)() })
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Fields {
+    type Value = TexelEntry;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<TexelEntry, D::Error> {
+        deserializer.deserialize_map(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Fields {
+    type Value = TexelEntry;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "a table, as in `texel.{} = {{}}`", self.kind.name())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut table: A) -> Result<TexelEntry, A::Error> {
+        let kind = self.kind.name();
+        let parameters = self.kind.parameters();
+        let known = || parameters.iter().map(|p| p.name).chain(["preset", "resolution"]).collect();
+        let what = format!("field of {kind}");
+        let mut fields = toml::Table::new();
+        while let Some(name) = table.next_key_seed(OneOf(&what, known()))? {
+            let value = match parameters.iter().find(|p| p.name == name).map(|p| p.value) {
+                Some(Value::Number(_)) => table.next_value::<f32>()?.into(),
+                Some(Value::Pair(_)) => table.next_value::<[f32; 2]>()?.to_vec().into(),
+                Some(Value::Color(_)) => table.next_value::<[f32; 3]>()?.to_vec().into(),
+                None if name == "preset" => {
+                    let presets = Kind::PRESETS.iter().filter(|preset| preset.kind == kind).map(|p| p.name);
+                    table.next_value_seed(OneOf(&format!("preset of {kind}"), presets.collect()))?.into()
+                }
+                Some(Value::Whole(_)) | None => table.next_value_seed(Whole)?,
+            };
+            if fields.insert(name.clone(), value).is_some() {
+                return Err(A::Error::custom(format!("`{name}` is there twice")));
+            }
+        }
+        described(kind, fields).map_err(A::Error::custom)
+    }
+}
+
+/// A whole number that is not negative.
+struct Whole;
+
+impl<'de> DeserializeSeed<'de> for Whole {
+    type Value = toml::Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<toml::Value, D::Error> {
+        let whole = u64::deserialize(deserializer)?;
+        i64::try_from(whole).map(Into::into).map_err(|_| D::Error::custom(format!("{whole} is too large")))
     }
 }
 
@@ -172,17 +259,21 @@ fn read<T: de::DeserializeOwned>(field: &str, value: toml::Value) -> Result<T, S
 
 #[cfg(test)]
 mod tests {
-    use pelage_texel::{Domain, Fur, Grass, Value};
+    use std::path::Path;
 
+    use pelage_texel::{Domain, Fur, Grass};
+
+    use super::super::{ShareEntry, Source};
     use super::*;
 
     #[derive(Deserialize)]
     struct Holder {
-        texel: TexelEntry,
+        texel: ShareEntry,
     }
 
     fn parse(text: &str) -> Result<TexelEntry, String> {
-        toml::from_str::<Holder>(text).map(|h| h.texel).map_err(|e| e.message().to_owned())
+        let source = Source::parse(text, Path::new("s.toml")).expect("TOML");
+        source.read::<Holder>().map(|h| h.texel.texel).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -282,14 +373,18 @@ mod tests {
             ("texel.gras = {}", "there is no texel `gras`: did you mean `grass`?"),
             ("texel.fur = { preset = \"lung\" }", "there is no preset of fur `lung`: did you mean `long`?"),
             ("texel.leaves = { tlt = 1 }", "there is no field of leaves `tlt`: did you mean `tilt`?"),
-            ("texel.fur = 3", "`fur` must be a table, as in `texel.fur = {}`"),
-            ("texel.file = 3", "file: invalid type: integer `3`, expected a string"),
+            ("texel.fur = 3", "found 3: expected a table, as in `texel.fur = {}`"),
+            ("texel.file = 3", "found 3: expected a string"),
             ("texel = { file = \"a.texel\", fur = {} }", "a texel is of one kind, as in `texel.fur = {}`"),
             ("texel = {}", "a texel is of one kind, as in `texel.fur = {}`"),
             ("texel = { fur = {}, grass = {} }", "a texel is of one kind, as in `texel.fur = {}`"),
-            ("texel.fur = { count = -1 }", "count: invalid value: integer `-1`, expected u32"),
+            (
+                "texel.fur = { count = -1 }",
+                "count: found -1: expected a whole number, not negative and not too large",
+            ),
         ] {
-            assert_eq!(parse(text), Err(message.to_owned()), "{text}");
+            let error = parse(text).unwrap_err();
+            assert!(error.starts_with("s.toml:1:") && error.ends_with(message), "{text}: {error}");
         }
         for text in ["resolution = 1.5", "count = \"many\"", "tip_color = [1, 2]", "lean = 3", "preset = 1"] {
             let error = parse(&format!("texel.fur = {{ {text} }}")).unwrap_err();

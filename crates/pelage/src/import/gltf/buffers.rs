@@ -23,13 +23,8 @@ pub(super) struct Document<'a> {
 impl<'a> Document<'a> {
     /// Opens a `.gltf` or `.glb` file and all of its buffers.
     pub(super) fn open(path: &'a Path, files: &'a Files) -> Result<Self, ImportError> {
-        let whole = |fault: Fault| fault.at(path, Place::File);
-        let bytes = files.read(path).map_err(whole)?;
-        let (text, mut blob) = if bytes.starts_with(b"glTF") {
-            chunks(&bytes).map_err(|(byte, what)| Fault::Syntax(what.into()).at(path, Place::Byte(byte)))?
-        } else {
-            (bytes.as_slice(), None)
-        };
+        let bytes = files.read(path).map_err(|fault| fault.at(path, Place::File))?;
+        let (text, mut blob) = parts(&bytes, path)?;
         let root: json::Root = json::deserialize::from_slice(text).map_err(|e| {
             let message = e.to_string();
             // The line is told as the place.
@@ -245,6 +240,21 @@ fn normalize(value: f64, component: ComponentType) -> f64 {
         ComponentType::I16 => (value / 32767.0).max(-1.0),
         ComponentType::U16 => value / 65535.0,
         ComponentType::U32 | ComponentType::F32 => value,
+    }
+}
+
+/// The JSON of a file, as bytes that need not be text.
+pub(crate) fn text(path: &Path, files: &Files) -> Result<Vec<u8>, ImportError> {
+    let bytes = files.read(path).map_err(|fault| fault.at(path, Place::File))?;
+    Ok(parts(&bytes, path)?.0.to_vec())
+}
+
+/// The JSON of a text or binary file, and the binary chunk.
+fn parts<'a>(bytes: &'a [u8], path: &Path) -> Result<Chunks<'a>, ImportError> {
+    if bytes.starts_with(b"glTF") {
+        chunks(bytes).map_err(|(byte, what)| Fault::Syntax(what.into()).at(path, Place::Byte(byte)))
+    } else {
+        Ok((bytes, None))
     }
 }
 

@@ -17,18 +17,21 @@ use json::validation::Checked;
 use pelage_tracer::{Camera, Light};
 
 use super::{Fault, Files, ImportError, ImportOptions, Imported, Place, Warning};
+use crate::scene_file::EXTENSION;
 use buffers::Document;
+pub(crate) use buffers::text;
 use geometry::Pose;
 use material::Materials;
 
 /// Extensions that a file may require: understood, or harmless to the geometry.
-const SUPPORTED: [&str; 6] = [
+const SUPPORTED: [&str; 7] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    EXTENSION,
 ];
 
 /// The sun's angle as seen from the earth, in radians: glTF's directional lights have none of their own.
@@ -50,6 +53,10 @@ pub(super) fn read(path: &Path, files: &Files, options: &ImportOptions) -> Resul
             message: format!("`{name}` is not supported: what it adds is left out"),
         });
     }
+    if let Some(field) = unlisted_skin(&document.root) {
+        let message = format!("has `{EXTENSION}`, which `extensionsUsed` should list");
+        warnings.push(Warning { file: path.to_owned(), place: Place::Field(field), message });
+    }
     let materials = Materials::read(&document, options.content, &mut warnings)?;
     let imported = Imported { warnings, ..Imported::default() };
     let mut importer =
@@ -64,6 +71,20 @@ pub(super) fn read(path: &Path, files: &Files, options: &ImportOptions) -> Resul
     imported.materials = materials.list;
     imported.textures = materials.textures.list;
     Ok(imported)
+}
+
+/// What carries a skin in a file that does not say that it has any. [glTF §3.12]
+fn unlisted_skin(root: &json::Root) -> Option<String> {
+    if root.extensions_used.iter().any(|name| name == EXTENSION) {
+        return None;
+    }
+    let of_mesh =
+        |mesh: &json::Mesh| mesh.extensions.as_ref().is_some_and(|e| e.others.contains_key(EXTENSION));
+    let of_material = |material: &json::Material| {
+        material.extensions.as_ref().is_some_and(|e| e.others.contains_key(EXTENSION))
+    };
+    let mesh = root.meshes.iter().position(of_mesh).map(|i| format!("meshes[{i}]"));
+    mesh.or_else(|| root.materials.iter().position(of_material).map(|i| format!("materials[{i}]")))
 }
 
 struct Importer<'a> {

@@ -1,60 +1,19 @@
-//! The `pelage` program from outside: exit codes, messages, files.
+//! `pelage render` and `pelage expand`, and the program as a whole.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Stdio;
 
-const TRIANGLE: &str = "o Body\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    /// A folder with a triangle in it.
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().expect("a temporary folder"));
-        folder.write("a.obj", TRIANGLE);
-        folder
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        fs::write(self.path().join(name), content).expect("a file");
-    }
-
-    /// Runs `pelage` in the folder with the words of `line` as arguments.
-    fn run(&self, line: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_pelage"))
-            .args(line.split_whitespace())
-            .current_dir(self.path())
-            .output()
-            .expect("the program")
-    }
-
-    /// Runs a command that must fail with `code` and one line that contains `message`, and write nothing.
-    fn fails(&self, line: &str, code: i32, message: &str) {
-        let before = fs::read_dir(self.path()).expect("the folder").count();
-        let output = self.run(line);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
-        assert!(said.contains(message), "{line}: {said}\nshould say: {message}");
-        assert_eq!(said.lines().count(), 1, "{line}: {said}");
-        assert!(output.stdout.is_empty());
-        assert_eq!(fs::read_dir(self.path()).expect("the folder").count(), before, "{line}");
-    }
-}
+use super::folder::Folder;
 
 const SMALL: &str = "--size 24x16 --rays 1 --resolution 8 -t 2";
 
 #[test]
 fn a_picture_of_a_triangle() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let output = folder.run(&format!("render a.obj -o a.png -q {SMALL}"));
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stdout.is_empty() && output.stderr.is_empty());
-    let png = fs::read(folder.path().join("a.png")).expect("the picture");
+    let png = folder.read("a.png");
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
     // Width and height in the header.
     assert_eq!(png[16..24], [0, 0, 0, 24, 0, 0, 0, 16]);
@@ -63,14 +22,14 @@ fn a_picture_of_a_triangle() {
         folder.run(&format!("render a.obj -o a.png -q {}", SMALL.replace("-t 2", "-t 1"))).status.code(),
         Some(0)
     );
-    assert_eq!(fs::read(folder.path().join("a.png")).expect("the picture"), png);
+    assert_eq!(folder.read("a.png"), png);
     assert_eq!(folder.run(&format!("render a.obj -o a.exr -q {SMALL}")).status.code(), Some(0));
-    assert_eq!(fs::read(folder.path().join("a.exr")).expect("the picture")[..4], [0x76, 0x2f, 0x31, 0x01]);
+    assert_eq!(folder.read("a.exr")[..4], [0x76, 0x2f, 0x31, 0x01]);
 }
 
 #[test]
 fn stats_for_programs() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let output = folder.run(&format!("render a.obj -o a.png -q --stats=json {SMALL}"));
     assert_eq!(output.status.code(), Some(0));
     let said = String::from_utf8(output.stdout).expect("text");
@@ -80,7 +39,7 @@ fn stats_for_programs() {
 
 #[test]
 fn a_scene_file() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let scene = "geometry = [{ file = \"a.obj\", rotate = [0, 90, 0] }]\n\
                  [[skin]]\non = \"Body\"\ntexel.fur = { preset = \"short\", resolution = 8 }\nheight = 0.1\n\
                  [camera.framed]\nazimuth = 90\n\
@@ -94,13 +53,13 @@ fn a_scene_file() {
 
 #[test]
 fn inputs_that_are_no_scene() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     folder.write("empty.obj", "v 0 0 0\n");
     folder.write("nan.obj", "v 0 0 0\nv 1 0 nan\n");
     folder.write("cut.glb", b"glTF\x02\0\0\0\x40\0\0\0");
     folder.write("bad.gltf", "{\n\"asset\":\n");
     folder.write("a.fbx", "");
-    fs::create_dir(folder.path().join("folder.obj")).expect("a folder");
+    fs::create_dir(folder.path("folder.obj")).expect("a folder");
     for (scene, message) in [
         ("missing.obj", "pelage: missing.obj: cannot be read"),
         ("folder.obj", "folder.obj: is not a regular file"),
@@ -116,51 +75,60 @@ fn inputs_that_are_no_scene() {
 
 #[test]
 fn scene_files_that_make_no_sense() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let head = "geometry = [{ file = \"a.obj\" }]\n";
     for (text, message) in [
-        ("[[skin]]\nheigth = 1\n", "s.toml:3: unknown field `heigth`, expected one of"),
-        ("[[skin]]\nheight = 'tall'\n", "s.toml:3: invalid type: string \"tall\", expected a number"),
-        ("[[skin]]\nlean = [1, 2]\n", "s.toml:3: invalid length 2, expected a list of 3"),
+        ("[[skin]]\nheigth = 1\n", "s.toml:3:1: skin[0]: there is no field `heigth`: did you mean `height`?"),
+        ("[[skin]]\nheight = 'tall'\n", "s.toml:3:10: skin[0].height: found \"tall\": expected a number"),
+        ("[[skin]]\nlean = [1, 2]\n", "s.toml:3:8: skin[0].lean: found a list of 2: expected a list of 3"),
+        ("[render]\nsize = [1.5, 2]\n", "s.toml:3:9: render.size[0]: found 1.5: expected a whole number"),
+        ("camera = 3\n", "s.toml:2:10: camera: found 3: expected one of `look_at`, `framed`, `named`"),
         (
-            "[render]\nsize = [1.5, 2]\n",
-            "s.toml:3: invalid type: floating point `1.5`, expected a whole number",
+            "[[skin]]\ntiling = 2\naspect = 1\n",
+            "s.toml:4:10: skin[0].aspect: must be left out beside `tiling`",
         ),
-        ("camera = 3\n", "s.toml:2: "),
-        ("[[skin]]\ntiling = 2\naspect = 1\n", "skin[0].aspect: must be left out beside `tiling`"),
-        ("[[skin]]\nheight = -1\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
-        ("[[skin]]\nheight = nan\n", "s.toml: skin[0].height: must be positive and at most 1e12"),
+        ("[[skin]]\nheight = -1\n", "s.toml:3:10: skin[0].height: must be positive and at most 1e12"),
+        ("[[skin]]\nheight = nan\n", "s.toml:3:10: skin[0].height: must be positive and at most 1e12"),
         (
             "[[skin]]\ntexel.fur = { preset = \"wool\" }\n",
-            "s.toml:3: there is no preset of fur `wool`: there are `long`, `hair`, `short`, `plush`",
+            "s.toml:3:24: skin[0].texel.fur.preset: there is no preset of fur `wool`: there are `long`, `hair`, `short`, `plush`",
         ),
         (
             "[[skin]]\ntexel.fur = { resolution = 100 }\n",
-            "skin[0].texel.fur.resolution: must be a power of two",
+            "s.toml:3:28: skin[0].texel.fur.resolution: must be a power of two",
         ),
-        ("[[skin]]\ntexel.gras = {}\n", "s.toml:3: there is no texel `gras`: did you mean `grass`?"),
+        (
+            "[[skin]]\ntexel.gras = {}\n",
+            "s.toml:3:7: skin[0].texel: there is no texel `gras`: did you mean `grass`?",
+        ),
         (
             "[[skin]]\ntexel.grass = { tapper = 1 }\n",
-            "there is no field of grass `tapper`: did you mean `taper`?",
+            "s.toml:3:17: skin[0].texel.grass: there is no field of grass `tapper`: did you mean `taper`?",
         ),
-        ("[[skin]]\ntexel.leaves = { count = -1 }\n", "s.toml:3: count: "),
+        (
+            "[[skin]]\ntexel.leaves = { count = -1 }\n",
+            "s.toml:3:26: skin[0].texel.leaves.count: found -1: expected a whole number",
+        ),
         (
             "[[skin]]\ntexel.grass = { count = 1000000000 }\n",
             "skin[0].texel.grass.count: is 1000000000, which is not in 1 to 1000000",
         ),
         (
             "[[skin]]\non = [\"Bdoy\"]\n",
-            "skin[0].on: there is no mesh or material `Bdoy`: did you mean `Body`?",
+            "s.toml:3:6: skin[0].on: there is no mesh or material `Bdoy`: did you mean `Body`?",
         ),
-        ("[render]\nrays = 5\n", "s.toml:3: `5`: expected 1, 4 or 16"),
-        ("[render]\ncrop = [4, 4, 0, 8]\n", "render.crop: must be x0, x1, y0, y1"),
-        ("[camera]\nnamed = \"Main\"\n", "camera.named: there is no camera `Main`"),
+        ("[render]\nrays = 5\n", "s.toml:3:8: render.rays: `5`: expected 1, 4 or 16"),
+        ("[render]\ncrop = [4, 4, 0, 8]\n", "s.toml:3:8: render.crop: must be x0, x1, y0, y1"),
+        ("[camera]\nnamed = \"Main\"\n", "s.toml:3:9: camera.named: there is no camera `Main`"),
         (
             "[camera.look_at]\neye = [0, 0, 0]\ntarget = [0, 0, 0]\n",
-            "camera.look_at: the eye must not be at the target",
+            "s.toml:2:9: camera.look_at: the eye must not be at the target",
         ),
-        ("[[light]]\nlaser = {}\n", "s.toml:3: unknown variant `laser`"),
-        ("= 3\n", "s.toml:2: "),
+        (
+            "[[light]]\nlaser = {}\n",
+            "s.toml:3:1: light[0]: there is no kind `laser`: there are `point`, `spot`, `directional`",
+        ),
+        ("= 3\n", "s.toml:2:1: "),
     ] {
         folder.write("s.toml", format!("{head}{text}"));
         folder.fails("render s.toml -o a.png -q", 2, message);
@@ -171,13 +139,13 @@ fn scene_files_that_make_no_sense() {
     folder.fails(
         "render s.toml -o a.png",
         2,
-        "s.toml: geometry[0].file: refers to `../a.obj`, which is outside of the scene's folder",
+        "s.toml:1:23: geometry[0].file: refers to `../a.obj`, which is outside of the scene's folder",
     );
     folder.write("s.toml", "geometry = [{ file = \"gone.obj\" }]");
     folder.fails(
         "render s.toml -o a.png",
         2,
-        "s.toml: geometry[0].file: refers to `gone.obj`, which cannot be read: ",
+        "s.toml:1:23: geometry[0].file: refers to `gone.obj`, which cannot be read: ",
     );
     folder.write("s.toml", b"geometry = \"\xff\"");
     folder.fails("render s.toml -o a.png", 2, "s.toml: byte 12: is not UTF-8 text");
@@ -185,7 +153,7 @@ fn scene_files_that_make_no_sense() {
 
 #[test]
 fn flags_that_make_no_sense() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     folder.fails(
         "render a.obj -o a.png -q --on bodi",
         2,
@@ -233,30 +201,26 @@ fn flags_that_make_no_sense() {
 
 #[test]
 fn outputs_that_cannot_be_written() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     folder.fails("render a.obj -o none/a.png", 3, "none/a.png: cannot be written");
-    fs::create_dir(folder.path().join("b.png")).expect("a folder");
+    fs::create_dir(folder.path("b.png")).expect("a folder");
     folder.fails("render a.obj -o b.png", 3, "b.png: is a folder");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_behind_stdout() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("the device");
-    let output = Command::new(env!("CARGO_BIN_EXE_pelage"))
-        .args(format!("render a.obj -o a.png -q --stats=json {SMALL}").split_whitespace())
-        .current_dir(folder.path())
-        .stdout(full)
-        .output()
-        .expect("the program");
+    let mut command = folder.command(&format!("render a.obj -o a.png -q --stats=json {SMALL}"));
+    let output = command.stdout(full).output().expect("the program");
     assert_eq!(output.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("pelage: stdout: "));
 }
 
 #[test]
 fn help_has_examples() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let output = folder.run("render --help");
     assert_eq!(output.status.code(), Some(0));
     let said = String::from_utf8(output.stdout).expect("text");
@@ -267,32 +231,30 @@ fn help_has_examples() {
 #[cfg(unix)]
 #[test]
 fn an_interruption_keeps_the_partial_picture() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     // Millions of pixels: far more than can be done before the signal.
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pelage"))
-        .args("render a.obj -o a.png -v --size 1600x1600 --rays 16 --resolution 8 -t 1".split(' '))
-        .current_dir(folder.path())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .expect("the program");
+    let mut command =
+        folder.command("render a.obj -o a.png -v --size 1600x1600 --rays 16 --resolution 8 -t 1");
+    let mut child = command.stderr(Stdio::piped()).spawn().expect("the program");
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("stderr")));
     // The rendering begins when the stage before it ends.
     assert!(lines.by_ref().map_while(Result::ok).any(|line| line.starts_with("compile:")));
     std::thread::sleep(std::time::Duration::from_millis(300));
     let begun = std::time::Instant::now();
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    let killed =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(killed.success());
     let last = lines.map_while(Result::ok).last().expect("a message");
     assert_eq!(child.wait().expect("the program").code(), Some(130));
     assert!(begun.elapsed() < std::time::Duration::from_secs(20));
     assert!(last.contains("interrupted: a.png holds"), "{last}");
-    let png = fs::read(folder.path().join("a.png")).expect("the picture");
+    let png = folder.read("a.png");
     assert_eq!(png[16..24], [0, 0, 0x06, 0x40, 0, 0, 0x06, 0x40]);
 }
 
 #[test]
 fn the_reference_method() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     let output = folder.run("render a.obj -o a.png -q --size 12x8 --method reference --spp 2");
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stdout.is_empty() && output.stderr.is_empty());
@@ -307,7 +269,7 @@ fn the_reference_method() {
 
 #[test]
 fn a_scene_is_expanded() {
-    let folder = Folder::new();
+    let folder = Folder::with_triangle();
     for name in ["a.glb", "a.ply"] {
         let output = folder.run(&format!("expand a.obj -o {name} -q"));
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -1,12 +1,10 @@
 //! `pelage validate` from outside: tables, JSON, pages, goals and refusals, on scenes as small as they can be.
 
 use std::fs;
-use std::path::PathBuf;
-use std::process::{Command, Output};
 
 use serde_json::Value;
 
-struct Folder(tempfile::TempDir);
+use super::folder::Folder;
 
 const SHEET: &str = "geometry = [{ file = \"a.obj\" }]\n\
                      [[skin]]\nheight = 0.4\ntiling = 2\ntexel.sheet = { resolution = 8 }\n\
@@ -15,50 +13,20 @@ const SHEET: &str = "geometry = [{ file = \"a.obj\" }]\n\
 /// As little as can be asked for.
 const LITTLE: &str = "-t 2 --size 8 --spp 4 --frames 2 --distances 16,8h";
 
-impl Folder {
-    /// A folder with a square on the ground and a scene with a sheet on it.
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().expect("a folder"));
-        folder.write(
-            "a.obj",
-            "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n",
-        );
-        folder.write("s.toml", SHEET);
-        folder
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, content: &str) {
-        fs::write(self.path(name), content).expect("a file");
-    }
-
-    fn run(&self, line: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_pelage"))
-            .args(line.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .expect("the program")
-    }
-
-    /// Runs a validation that must fail with `code` and one line that contains `message`, and write nothing.
-    fn fails(&self, line: &str, code: i32, message: &str) {
-        let count = || fs::read_dir(self.0.path()).expect("the folder").count();
-        let before = count();
-        let output = self.run(&format!("validate -q {line}"));
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
-        assert!(said.contains(message), "{line}: {said}\nshould say: {message}");
-        assert_eq!(said.lines().count(), 1, "{line}: {said}");
-        assert!(count() == before, "{line}");
-    }
+/// A folder with a square on the ground and a scene with a sheet on it.
+fn sheet() -> Folder {
+    let folder = Folder::new();
+    folder.write(
+        "a.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n",
+    );
+    folder.write("s.toml", SHEET);
+    folder
 }
 
 #[test]
 fn a_table_and_a_page() {
-    let folder = Folder::new();
+    let folder = sheet();
     let output = folder.run(&format!("validate s.toml -q -o r.html {LITTLE}"));
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty());
@@ -76,7 +44,7 @@ fn a_table_and_a_page() {
 
 #[test]
 fn an_object_for_programs() {
-    let folder = Folder::new();
+    let folder = sheet();
     let run = || folder.run(&format!("validate s.toml -q --json --goals fur {LITTLE},near")).stdout;
     let list: Value = serde_json::from_slice(&run()).expect("JSON");
     let study = &list[0];
@@ -105,7 +73,7 @@ fn an_object_for_programs() {
 
 #[test]
 fn goals_and_the_exit_code() {
-    let folder = Folder::new();
+    let folder = sheet();
     // An eighth of the voxels, magnified: a goal is missed for certain.
     let line = "validate s.toml -q --resolution 2 --distances 64 --frames 0 --size 16 --spp 16";
     assert_eq!(folder.run(line).status.code(), Some(0));
@@ -117,7 +85,7 @@ fn goals_and_the_exit_code() {
 
 #[test]
 fn mesh_files_and_their_own_light() {
-    let folder = Folder::new();
+    let folder = sheet();
     let line = "validate a.obj -q --texel sheet --resolution 4 --height 0.3 --lights scene --frames 0 --size 8 --spp 4";
     let output = folder.run(&format!("{line} --distances 8"));
     let said = String::from_utf8_lossy(&output.stdout);
@@ -127,17 +95,17 @@ fn mesh_files_and_their_own_light() {
 
 #[test]
 fn what_cannot_be_validated() {
-    let folder = Folder::new();
+    let folder = sheet();
     folder.write("bare.toml", "geometry = [{ file = \"a.obj\" }]\n[render]\nsize = [16, 16]\n");
     let away = "[camera.look_at]\neye = [0, 9, 9]\ntarget = [0, 9, 99]\n";
     folder.write("away.toml", &SHEET.replace("[camera.framed]\nazimuth = 20\nelevation = 40\n", away));
-    folder.fails("bare.toml", 2, "bare.toml: nothing grows in the scene");
-    folder.fails("away.toml", 2, "away.toml: the camera sees no coat");
+    folder.fails("validate -q bare.toml", 2, "bare.toml: nothing grows in the scene");
+    folder.fails("validate -q away.toml", 2, "away.toml: the camera sees no coat");
     // Told before the first scene takes its time.
-    folder.fails("s.toml gone.toml", 2, "gone.toml: cannot be read");
-    folder.fails("s.toml -o r.txt", 2, "r.txt: a report is written as .html");
-    folder.fails("s.toml -o none/r.html", 3, "none/r.html: cannot be written");
-    folder.fails("s.toml --resolution 3", 2, "must be a power of two");
+    folder.fails("validate -q s.toml gone.toml", 2, "gone.toml: cannot be read");
+    folder.fails("validate -q s.toml -o r.txt", 2, "r.txt: a report is written as .html");
+    folder.fails("validate -q s.toml -o none/r.html", 3, "none/r.html: cannot be written");
+    folder.fails("validate -q s.toml --resolution 3", 2, "must be a power of two");
     for flags in
         ["--spp 5", "--spp 0", "--size 1", "--frames 1", "--distances far", "--distances 0", "--lights sun"]
     {

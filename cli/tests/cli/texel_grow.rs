@@ -2,45 +2,11 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use pelage::texel::{Grass, Source};
 use pelage::texel_file::read_texel;
 
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().expect("a temporary folder"))
-    }
-
-    /// Runs `pelage` in the folder with the words of `line` as arguments.
-    fn run(&self, line: &str) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_pelage"))
-            .args(line.split_whitespace())
-            .current_dir(self.0.path())
-            .output()
-            .expect("the program")
-    }
-
-    /// What a command that succeeds writes to stdout.
-    fn told(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).expect("text")
-    }
-
-    /// Runs a command that must fail with `code` and one line that contains `message`, and write nothing.
-    fn fails(&self, line: &str, code: i32, message: &str) {
-        let output = self.run(line);
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
-        assert!(said.contains(message), "{line}: {said}\nshould say: {message}");
-        assert_eq!(said.trim_end().lines().count(), 1, "{line}: {said}");
-        assert!(output.stdout.is_empty());
-        assert_eq!(fs::read_dir(self.0.path()).expect("the folder").count(), 0, "{line}");
-    }
-}
+use super::folder::Folder;
 
 #[test]
 fn kinds_are_listed_and_described() {
@@ -78,7 +44,7 @@ fn what_grows_is_kept_with_its_parameters() {
     let folder = Folder::new();
     let settings = "--preset lawn --seed 7 --set count=20 --set dry_color=0.6,0.5,0.2 --set bend=0";
     folder.told(&format!("texel grow grass -o turf.texel --resolution 8 -q {settings}"));
-    let file = read_texel(&folder.0.path().join("turf.texel")).expect("a texel file");
+    let file = read_texel(&folder.path("turf.texel")).expect("a texel file");
     let grass = Grass { seed: 7, count: 20, dry_color: [0.6, 0.5, 0.2].into(), bend: 0.0, ..Grass::lawn() };
     assert_eq!(file.texel.source(), &Source::Grown(grass.into()));
     assert_eq!((file.texel.name.as_str(), file.texel.levels().len()), ("turf", 4));

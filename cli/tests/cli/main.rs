@@ -1,0 +1,12 @@
+//! The `pelage` program from outside: exit codes, messages, files. A file for each subcommand.
+
+mod check;
+mod compare;
+mod folder;
+mod gltf;
+mod render;
+mod schema;
+mod texel_bake;
+mod texel_file;
+mod texel_grow;
+mod validate;
