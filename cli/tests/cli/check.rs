@@ -35,7 +35,7 @@ fn everything_is_told_at_once() {
         "s.toml:1:39: geometry[0].scale: must be positive and at most 1e12",
         "s.toml:10:9: skin[0].groom[1].scale: must be positive",
         "s.toml:1:53: geometry[1].file: refers to `gone.obj`, which cannot be read",
-        "s.toml:11:11: skin[0].groom[1].where.image: needs texture coordinates, and mesh `Body` has none",
+        "s.toml:11:19: skin[0].groom[1].where.image: needs texture coordinates, and mesh `Body` has none",
     ];
     assert_eq!(lines.len(), expected.len(), "{said}");
     for (line, expected) in lines.iter().zip(expected) {

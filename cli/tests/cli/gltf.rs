@@ -70,6 +70,10 @@ fn what_cannot_be_is_named() {
             "mesh `Shape`: extras.pelage_texel.fur.preset: there is no preset of fur `lung`: did you mean `long`?",
         ),
         (extras(r#""pelage_texel": 3"#), "mesh `Shape`: extras.pelage_texel: found 3: expected a table"),
+        (
+            extras(r#""pelage_resolution": 100"#),
+            "mesh `Shape`: extras.pelage_texel.fur.resolution: must be a power of two",
+        ),
     ] {
         folder.write("a.gltf", triangle(&mesh, ""));
         folder.fails("render a.gltf -o a.png -q", 2, message);

@@ -139,13 +139,13 @@ fn scene_files_that_make_no_sense() {
     folder.fails(
         "render s.toml -o a.png",
         2,
-        "s.toml:1:23: geometry[0].file: refers to `../a.obj`, which is outside of the scene's folder",
+        "s.toml:1:22: geometry[0].file: refers to `../a.obj`, which is outside of the scene's folder",
     );
     folder.write("s.toml", "geometry = [{ file = \"gone.obj\" }]");
     folder.fails(
         "render s.toml -o a.png",
         2,
-        "s.toml:1:23: geometry[0].file: refers to `gone.obj`, which cannot be read: ",
+        "s.toml:1:22: geometry[0].file: refers to `gone.obj`, which cannot be read: ",
     );
     folder.write("s.toml", b"geometry = \"\xff\"");
     folder.fails("render s.toml -o a.png", 2, "s.toml: byte 12: is not UTF-8 text");

@@ -72,9 +72,10 @@ impl Variety {
     /// What keeps it from being used, if anything.
     pub(crate) fn fault(&self) -> Option<&'static str> {
         let sum: f32 = self.texels.iter().map(|(_, weight)| weight).sum();
+        let weighs = self.texels.iter().all(|(_, w)| *w >= 0.0) && sum > 0.0 && sum.is_finite();
         if self.texels.is_empty() {
             Some("there is no texel")
-        } else if !self.texels.iter().all(|(_, weight)| *weight >= 0.0) || !(sum > 0.0 && sum.is_finite()) {
+        } else if !weighs {
             Some("the weights of its texels must not be negative, and some of them positive")
         } else if !(0.0..=0.9).contains(&self.height) {
             Some("its copies may be lower by a part from 0 to 0.9")

@@ -244,7 +244,7 @@ mod tests {
             ),
             (
                 "surface = { ball = { radius = 1 } }",
-                "scene.toml:1:28: geometry[0].surface: there is no kind `ball`: there are `bezier`, `bspline`",
+                "scene.toml:1:27: geometry[0].surface: there is no kind `ball`: there are `",
             ),
             (
                 "surface = { bezier = { points = [] } }",

@@ -108,20 +108,28 @@ fn carried(
     }
     let properties = carrier.get("extras")?;
     let mut skin = Node::table([]);
-    let mut texel = Node::table([]);
+    let mut texel = None;
     for (name, value) in properties.entries() {
         match name.strip_prefix(PREFIX) {
-            Some("texel") => texel = texel_of(properties, value),
+            Some("texel") => texel = Some(texel_of(properties, value)),
             Some("resolution") | None => {}
             Some(field) => skin.put(field, value.clone()),
         }
     }
-    let grown = texel.entries().next().map(|(kind, fields)| (kind.to_owned(), fields.clone()));
-    if let (Some(resolution), Some((grown, mut fields))) = (properties.get("pelage_resolution"), grown) {
-        fields.put("resolution", resolution.clone());
-        texel.put(&grown, fields);
+    if let Some(resolution) = properties.get("pelage_resolution") {
+        let grown = || Node::table([("fur", Node::table([]).at(resolution))]).at(resolution);
+        let texel = texel.get_or_insert_with(grown);
+        let kind = texel.entries().next().map(|(kind, fields)| (kind.to_owned(), fields.clone()));
+        match kind {
+            Some((kind, mut fields)) if kind != "file" => {
+                fields.put("resolution", resolution.clone());
+                texel.put(&kind, fields);
+            }
+            // A file has its own: the skin has no such field, and that is what is told.
+            _ => skin.put("resolution", resolution.clone()),
+        }
     }
-    if texel.entries().next().is_some() {
+    if let Some(texel) = texel {
         skin.put("texel", texel);
     }
     skin.entries().next()?;

@@ -16,8 +16,8 @@ pub struct ShareEntry {
     pub texel: TexelEntry,
     /// How many copies it stands in: as great a part as its weight is of all. 1 unless given.
     pub weight: f32,
-    /// How many texels are grown of it, that differ by their seed alone: the kind's own, the next, and so on. They share
-    /// its weight. 1 unless given, and only 1 of a file.
+    /// How many texels are grown of it: its variants, the kind's own, the next, and so on, or of kinds that have none, from
+    /// one seed after the other. They share its weight. 1 unless given, and only 1 of a file.
     pub variants: u32,
 }
 
@@ -31,7 +31,7 @@ impl ShareEntry {
     /// Each of its texels, with its part of the weight.
     pub fn texels(&self) -> impl Iterator<Item = (TexelEntry, f32)> + '_ {
         let count = self.variants.max(1);
-        (0..count).map(move |i| (self.texel.with_seed_after(i), self.weight / count as f32))
+        (0..count).map(move |i| (self.texel.variant_after(i), self.weight / count as f32))
     }
 
     /// The first field that is out of its domain, and what is wrong with it.
@@ -44,7 +44,7 @@ impl ShareEntry {
         if !(1..=MOST_VARIANTS).contains(&self.variants) {
             return fault("variants", &format!("must be from 1 to {MOST_VARIANTS}"));
         }
-        if self.variants > 1 && self.texel.with_seed_after(1) == self.texel {
+        if self.variants > 1 && self.texel.variant_after(1) == self.texel {
             return fault("variants", "are of grown kinds with a seed only");
         }
         self.texel.fault()
@@ -134,7 +134,7 @@ impl<'de> Visitor<'de> for OneShare {
 mod tests {
     use std::path::Path;
 
-    use pelage_texel::{Fur, Grass, Sheet};
+    use pelage_texel::{Fur, Grass, Hypertexture, Sheet};
 
     use super::super::{SceneFile, Source};
     use super::*;
@@ -169,10 +169,13 @@ mod tests {
     }
 
     #[test]
-    fn variants_differ_by_their_seed_and_share_the_weight() {
-        let seed = |seed: u64| TexelEntry::from(Fur { seed, ..Fur::plush() });
-        let share = ShareEntry { weight: 3.0, variants: 3, ..seed(5).into() };
-        assert_eq!(share.texels().collect::<Vec<_>>(), [5, 6, 7].map(|n| (seed(n), 1.0)));
+    fn variants_follow_each_other_and_share_the_weight() {
+        let variant = |variant: u32| TexelEntry::from(Fur { variant, ..Fur::plush() });
+        let share = ShareEntry { weight: 3.0, variants: 3, ..variant(5).into() };
+        assert_eq!(share.texels().collect::<Vec<_>>(), [5, 6, 7].map(|n| (variant(n), 1.0)));
+        let seed = |seed: u64| TexelEntry::from(Hypertexture { seed, ..Hypertexture::calm() });
+        let share = ShareEntry { variants: 2, ..seed(5).into() };
+        assert_eq!(share.texels().map(|(texel, _)| texel).collect::<Vec<_>>(), [5, 6].map(seed));
         let file = ShareEntry { variants: 2, ..TexelEntry::File("a.texel".into()).into() };
         let sheet = ShareEntry { variants: 2, ..TexelEntry::from(Sheet::tilted()).into() };
         for alike in [file, sheet] {

@@ -77,16 +77,19 @@ impl TexelEntry {
         }
     }
 
-    /// The same, grown from the seed that is `count` after its own; itself where there is none.
-    pub(super) fn with_seed_after(&self, count: u32) -> Self {
+    /// The variant that is `count` after its own, or what grows from the seed that is, of kinds that have no variants; itself
+    /// where there is no seed.
+    pub(super) fn variant_after(&self, count: u32) -> Self {
         let Self::Grown { kind, resolution } = self else { return self.clone() };
-        let reseeded = || {
+        let varied = || {
             let mut table = toml::Table::try_from(kind).ok()?;
-            let seed = table.get_mut(kind.name())?.get_mut("seed")?;
-            *seed = seed.as_integer()?.wrapping_add(count.into()).max(0).into();
+            let fields = table.get_mut(kind.name())?.as_table_mut()?;
+            let field = if fields.contains_key("variant") { "variant" } else { "seed" };
+            let number = fields.get_mut(field)?;
+            *number = number.as_integer()?.wrapping_add(count.into()).max(0).into();
             table.try_into().ok()
         };
-        Self::Grown { kind: reseeded().unwrap_or_else(|| kind.clone()), resolution: *resolution }
+        Self::Grown { kind: varied().unwrap_or_else(|| kind.clone()), resolution: *resolution }
     }
 
     /// The texel of the kind that a key of a table names, from the key's value.

@@ -38,6 +38,7 @@ wears_material = false
 height = 0.13
 aspect = 1.3
 texel.foliage = { preset = "shrub" }
+variety = { turns = true, mirrors = true, height = 0.15, color = 0.1 }
 
 [[light]]
 directional = { direction = [0.6, -0.75, -0.5], illuminance = [3.4, 3.1, 2.6], angle = 0.53 }

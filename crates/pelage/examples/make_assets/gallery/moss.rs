@@ -36,6 +36,7 @@ cage = "moss-top.obj"
 wears_material = false
 tiling = 1
 texel.moss = { preset = "cushion", dome = 0.3, capsules = 0.008 }
+variety = { turns = true, mirrors = true, height = 0.15, color = 0.1 }
 
 [[light]]
 directional = { direction = [0.65, -0.8, -0.3], illuminance = [3.4, 3.0, 2.4], angle = 1 }

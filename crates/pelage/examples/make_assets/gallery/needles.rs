@@ -39,6 +39,7 @@ wears_material = false
 height = 0.13
 aspect = 1.25
 texel.needles = { preset = "fir" }
+variety = { turns = true, mirrors = true, height = 0.15, color = 0.1 }
 
 [[light]]
 directional = { direction = [0.55, -0.7, -0.75], illuminance = [3.2, 2.9, 2.5], angle = 2 }
