@@ -2,7 +2,6 @@
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pelage::geom::glam::Vec3;

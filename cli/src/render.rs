@@ -72,11 +72,12 @@ fn picture(args: &RenderArgs, scene: pelage::scene_file::SceneFile, format: Form
     };
 
     stage("write", volume, &mut stats, |_| {
-        Ok(if args.aov.is_empty() {
-            prepared.write(&film, &args.output, format)?
+        if args.aov.is_empty() {
+            prepared.write(&film, &args.output, format)?;
         } else {
-            prepared.write_with(&film, &prepared.aovs()?, &args.aov, &args.output)?
-        })
+            prepared.write_with(&film, &prepared.aovs()?, &args.aov, &args.output)?;
+        }
+        Ok(())
     })?;
 
     if let Some(bytes) = peak_memory() {

@@ -20,7 +20,7 @@ pub fn tell(line: impl fmt::Display, field: &Field, remark: &str, severity: Seve
 
 /// The lines of the file around a field, the field underlined.
 fn snippet(field: &Field, remark: &str, severity: Severity) -> Option<String> {
-    let Span { bytes, .. } = field.span.as_ref()?;
+    let Span { bytes, .. } = field.span.as_deref()?;
     let text = std::fs::read_to_string(&field.file).ok()?;
     // It may have been changed since.
     text.get(bytes.clone())?;

@@ -121,7 +121,8 @@ fn no_light_comes_through_the_ground() {
     use pelage::tracer::{Coat, Description, Environment, Light, Scene};
     let mesh = surface::plane(6.0, 12, 12);
     let skin = extrude(&mesh, &|_| true, &SkinOptions::per_patch(0.5)).expect("a plane extrudes");
-    let coat = Coat { skin, texels: texel(&blades(80, 5), 5, true).into(), tint: Vec3::ONE, wears_material: false };
+    let coat =
+        Coat { skin, texels: texel(&blades(80, 5), 5, true).into(), tint: Vec3::ONE, wears_material: false };
     let light = Light::Directional {
         direction: Vec3::new(0.3, 1.0, 0.2),
         illuminance: Vec3::splat(3.0),

@@ -98,7 +98,7 @@ fn what_cannot_be_validated() {
     let folder = sheet();
     folder.write("bare.toml", "geometry = [{ file = \"a.obj\" }]\n[render]\nsize = [16, 16]\n");
     let away = "[camera.look_at]\neye = [0, 9, 9]\ntarget = [0, 9, 99]\n";
-    folder.write("away.toml", &SHEET.replace("[camera.framed]\nazimuth = 20\nelevation = 40\n", away));
+    folder.write("away.toml", SHEET.replace("[camera.framed]\nazimuth = 20\nelevation = 40\n", away));
     folder.fails("validate -q bare.toml", 2, "bare.toml: nothing grows in the scene");
     folder.fails("validate -q away.toml", 2, "away.toml: the camera sees no coat");
     // Told before the first scene takes its time.

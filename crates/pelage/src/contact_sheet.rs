@@ -92,7 +92,7 @@ fn draw(
     let options = SkinOptions { tiling: Some(1.0), ..SkinOptions::new(1.0) };
     let skin = extrude(&surface::plane(1.0, 1, 1), &|_| true, &options).map_err(|source| Error::Skin {
         field: Field::whole(Path::new("the square under the texel")),
-        source,
+        source: Box::new(source),
     })?;
     let mut sun = staging::sun();
     if let Light::Directional { direction, .. } = &mut sun {

@@ -70,7 +70,7 @@ pub enum Error {
         /// Which entry of the scene, as in `skin[0]`.
         field: Field,
         /// What is wrong.
-        source: SkinError,
+        source: Box<SkinError>,
     },
     /// The parts do not make a scene.
     #[error(transparent)]
@@ -159,7 +159,7 @@ pub struct Field {
     /// As in `skin[0].height`.
     pub name: String,
     /// Where it stands, if the file is text and says anything of it.
-    pub span: Option<Span>,
+    pub span: Option<Box<Span>>,
 }
 
 impl Field {
@@ -172,7 +172,7 @@ impl Field {
 impl fmt::Display for Field {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.file.display().fmt(f)?;
-        if let Some(Span { line, column, .. }) = self.span {
+        if let Some(Span { line, column, .. }) = self.span.as_deref() {
             write!(f, ":{line}:{column}")?;
         }
         if self.name.is_empty() { Ok(()) } else { write!(f, ": {}", self.name) }

@@ -47,7 +47,7 @@ pub struct Chart {
 impl Skin {
     /// By how much a copy of the texel is longer (or, inverted, shorter) on a patch than copies are all over the skin
     /// ([`Report::copy_width`](crate::Report::copy_width)), in the direction in which that is the most; at the middle of the
-    /// patch, an index below [`Skin::len`]. 1 where nothing is stretched; infinite for a patch without area. [SanderEtAl01]
+    /// patch, an index below [`Skin::len`]. 1 where nothing is stretched; infinite for a patch without area. \[SanderEtAl01\]
     pub fn stretch(&self, patch: usize) -> f32 {
         stretch_and_area(self, patch)[0] as f32
     }

@@ -16,7 +16,7 @@ pub enum Layout {
     Uv,
     /// By coordinates that are made for it, in metres: every connected piece is cut open where it shows least and laid
     /// flat, so that copies have the same size nearly everywhere ([`Skin::distortion`](crate::Skin::distortion) tells
-    /// how nearly); [`SkinOptions::tiling`] is copies per metre. For meshes of up to 200 000 faces. [LiuEtAl08]
+    /// how nearly); [`SkinOptions::tiling`] is copies per metre. For meshes of up to 200 000 faces. \[LiuEtAl08\]
     Conformal,
     /// A whole number of copies on each quad. Where there is a triangle, every face of n corners becomes n
     /// quads, so that copies meet along whole sides everywhere.

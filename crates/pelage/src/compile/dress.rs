@@ -76,7 +76,10 @@ impl Loaded {
                 };
                 let fault = |source| {
                     let (part, source) = part_of(source);
-                    Error::Skin { field: self.file.field(&format!("skin[{entry}]{part}")), source }
+                    Error::Skin {
+                        field: self.file.field(&format!("skin[{entry}]{part}")),
+                        source: Box::new(source),
+                    }
                 };
                 let mut skin = made.map_err(fault)?;
                 let mut effects = Vec::new();

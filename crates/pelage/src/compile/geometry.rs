@@ -84,7 +84,7 @@ fn fault(file: &SceneFile, field: &str, source: SkinError) -> Error {
     };
     // What the field is, the message says already.
     let span = file.field(&format!("{field}{part}")).span;
-    Error::Skin { field: Field { span, ..file.field(field) }, source }
+    Error::Skin { field: Field { span, ..file.field(field) }, source: Box::new(source) }
 }
 
 /// Subdivides all that an entry holds and puts it in its place.

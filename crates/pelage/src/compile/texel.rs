@@ -49,7 +49,7 @@ fn find<'a>(known: &'a [Known], texel: &TexelEntry) -> Option<&'a Arc<Texel>> {
 }
 
 impl Loaded {
-    /// The texels of each skin, in the order of [`SkinEntry::texels`](crate::SkinEntry::texels): those of its files, and
+    /// The texels of each skin, in the order of [`SkinEntry::texels`](crate::scene_file::SkinEntry::texels): those of its files, and
     /// those that are built, equal ones once. `progress` is told the fraction done. For the reference method nothing is
     /// built, as in [`Loaded::unbaked`].
     ///

@@ -37,7 +37,8 @@ struct View {
 /// Writes meshes, materials, views and scenes.
 pub fn write(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
-    let scenes = [fur::scene(), grass::scene(), moss::scene(), pile::scene(), foliage::scene(), needles::scene()];
+    let scenes =
+        [fur::scene(), grass::scene(), moss::scene(), pile::scene(), foliage::scene(), needles::scene()];
     fs::write(folder.join("materials.mtl"), MATERIALS)?;
     for Scene { name, obj, cage, text, near, far } in &scenes {
         fs::write(folder.join(format!("{name}.obj")), obj)?;

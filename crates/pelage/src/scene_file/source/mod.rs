@@ -80,7 +80,7 @@ impl Source {
             parse::toml(text)
         };
         let located = |(at, reason)| {
-            let span = Some(Span::of(text, at));
+            let span = Some(Box::new(Span::of(text, at)));
             FieldError { field: Field { span, ..Field::whole(path) }, reason, hint: None }
         };
         let root = parsed.map_err(|faults| faults.into_iter().map(located).collect::<Vec<_>>())?;
@@ -131,7 +131,8 @@ impl Source {
     }
 
     fn error(&self, misread: &Misread) -> FieldError {
-        let steps = misread.steps.strip_suffix(&misread.unknown[..]).unwrap_or(&misread.steps);
+        let table = misread.steps.split_last().filter(|_| misread.unknown).map(|(_, table)| table);
+        let steps = table.unwrap_or(&misread.steps);
         let span = misread.at.clone().and_then(|at| self.span(at));
         let field = Field { file: self.path.clone(), name: self.name(steps), span };
         FieldError { field, reason: misread.reason.clone(), hint: misread.hint.clone() }
@@ -144,8 +145,8 @@ impl Source {
         Field { file: self.path.clone(), name: self.name(&steps), span: at.and_then(|at| self.span(at)) }
     }
 
-    fn span(&self, at: Range<usize>) -> Option<Span> {
-        self.text.as_ref().map(|text| Span::of(text, at))
+    fn span(&self, at: Range<usize>) -> Option<Box<Span>> {
+        self.text.as_ref().map(|text| Box::new(Span::of(text, at)))
     }
 
     fn name(&self, steps: &[Step]) -> String {

@@ -18,11 +18,11 @@ use crate::names;
 pub(crate) struct Misread {
     /// From the root to it.
     pub(super) steps: Vec<Step>,
-    /// The last of them, if there should be nothing of that name.
-    pub(super) unknown: Vec<Step>,
+    /// Whether there should be nothing of the last one's name.
+    pub(super) unknown: bool,
     pub(super) at: Option<Range<usize>>,
     /// Which field is not there.
-    pub(super) missing: Option<String>,
+    pub(super) missing: Option<&'static str>,
     pub(super) reason: String,
     pub(super) hint: Option<String>,
 }
@@ -78,7 +78,7 @@ impl de::Error for Misread {
     }
 
     fn missing_field(name: &'static str) -> Self {
-        Self { missing: Some(name.into()), ..Self::new(format!("the field `{name}` is missing"), None) }
+        Self { missing: Some(name), ..Self::new(format!("the field `{name}` is missing"), None) }
     }
 
     fn duplicate_field(name: &'static str) -> Self {
@@ -270,7 +270,7 @@ impl Entry {
         let key: StrDeserializer<'_, Misread> = self.key.as_str().into_deserializer();
         seed.deserialize(key).map_err(|e| {
             let step = Step::Key(self.key.clone());
-            Misread { unknown: vec![step.clone()], ..e.in_step(step, &self.at) }
+            Misread { unknown: true, ..e.in_step(step, &self.at) }
         })
     }
 
