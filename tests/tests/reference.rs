@@ -11,7 +11,7 @@ use pelage::import::{ImportOptions, import};
 use pelage::skin::{Lattice, Patch, Skin, SkinOptions, extrude, surface};
 use pelage::texel::{Geometry, Texel};
 use pelage::tracer::reference::{self, Expansion, Fineness, Lighting, ReferenceError, ReferenceSettings};
-use pelage::tracer::{Camera, Coat, Description, Environment, Film, Light, Pixel, Rect, Scene};
+use pelage::tracer::{Camera, Coat, Description, Environment, Film, Light, Pixel, Rect, Scene, Settings};
 use pelage_tests::{alpha_rmse, blades, expand, mean_alpha, one_box, scene, sheet, texel, twisted_box};
 
 /// The unit cube, s along X, t along −Z, w upwards.
@@ -63,6 +63,27 @@ fn joined(parts: &[Geometry]) -> Geometry {
         }
     }
     whole
+}
+
+#[test]
+fn what_is_painted_on_a_skin_colours_its_content() {
+    // A white sheet seen from above, lit from there: E/π times the colour between the corners, bilinear in the picture.
+    let painted = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
+    let skin = Skin { colors: Some(painted.to_vec()), ..cube() };
+    let scene = lit(skin, texel(&sheet(0.5, 0.0, Vec3::ONE), 5, true), vec![], sun(Vec3::NEG_Y));
+    let camera = from_above(50.0, 0.5);
+    let cones = pelage_tests::picture(&scene, &camera, &Settings { size: [8, 8], ..Settings::default() });
+    let judge = picture(&scene, &camera, &settings(8, 16));
+    let [a, b, c, d] = painted;
+    for i in 0..64 {
+        let [u, v] = [(i % 8) as f32 + 0.5, 7.5 - (i / 8) as f32].map(|x| x / 8.0);
+        let expected = a.lerp(b, u).lerp(c.lerp(d, u), v) * 2.0 * FRAC_1_PI;
+        for film in [&cones, &judge] {
+            let found = film.pixels[i].color;
+            // Cones take it at the middle of what they see of a voxel, the judge at 16 places: within a quarter pixel.
+            assert!(found.abs_diff_eq(expected, 2.0 * FRAC_1_PI / 32.0), "{i}: {found} for {expected}");
+        }
+    }
 }
 
 #[test]

@@ -45,6 +45,38 @@ fn skins_of_meshes_and_materials_are_worn() {
 }
 
 #[test]
+fn vertices_colour_what_grows_on_them() {
+    let folder = Folder::new();
+    // The triangle, with red, green and blue corners after its positions.
+    let bare = triangle(r#", "extras": { "pelage_texel": "fur:short" }"#, "");
+    let painted = bare
+        .replace(r#""POSITION": 0"#, r#""POSITION": 0, "COLOR_0": 1"#)
+        .replace("36", "72")
+        .replace("AAAAAAAAgD8AAAAA", "AAAAAAAAgD8AAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/")
+        .replace(r#""accessors": ["#, r#""accessors": [
+{ "bufferView": 0, "byteOffset": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0,0,0], "max": [1,1,0] },
+{ "bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3" },"#);
+    folder.write("unpainted.gltf", painted.as_str());
+    folder.write(
+        "painted.gltf",
+        painted.replace(r#""extras": {"#, r#""extras": { "pelage_vertex_color": "COLOR_0","#),
+    );
+    folder.write(
+        "bare.gltf",
+        bare.replace(r#""extras": {"#, r#""extras": { "pelage_vertex_color": "COLOR_1","#),
+    );
+    for name in ["painted", "unpainted"] {
+        folder.told(&format!("render {name}.gltf -o {name}.png -q --size 12x8 --rays 1 --resolution 4"));
+    }
+    assert_ne!(folder.read("painted.png"), folder.read("unpainted.png"));
+    folder.fails(
+        "check bare.gltf",
+        2,
+        "extras.pelage_vertex_color: there is no vertex attribute of three numbers on mesh",
+    );
+}
+
+#[test]
 fn what_cannot_be_is_named() {
     let folder = Folder::new();
     let extension = |content: &str| format!(r#", "extensions": {{ "PELAGE_skin": {content} }}"#);

@@ -90,7 +90,7 @@ pub(crate) fn cover(
     let uvs = mesh.uvs.is_some().then_some(uvs);
     let of_used = |a: &Attribute| Attribute { name: a.name.clone(), values: gather(&a.values, &used) };
     let attributes = surface.attributes.iter().map(of_used).collect();
-    let mut skin = Skin { base, top: Vec::new(), patches, uvs, attributes, report };
+    let mut skin = Skin { base, top: Vec::new(), patches, uvs, attributes, colors: None, report };
     settled.apply(&mut skin);
     skin.report.copy_width = copy_width(&skin.patches, &skin.base);
     Ok(skin)

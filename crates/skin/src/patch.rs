@@ -102,6 +102,8 @@ pub struct Skin {
     pub uvs: Option<Vec<[Vec2; 4]>>,
     /// The mesh's vertex attributes, by vertex of the skin.
     pub attributes: Vec<Attribute>,
+    /// What multiplies the colours of what fills it, by vertex; linear. `None` is white.
+    pub colors: Option<Vec<Vec3>>,
     /// How it came about.
     pub report: Report,
 }
@@ -122,6 +124,21 @@ impl Skin {
             let (base, top) = (self.base[i as usize], self.top[i as usize]);
             [lo.min(base).min(top), hi.max(base).max(top)]
         })
+    }
+
+    /// What multiplies the colours of what fills patch `patch`, at box coordinates (u, v): between its corners as the box
+    /// is. White where [`Skin::colors`] tells nothing.
+    pub fn color(&self, patch: usize, [u, v]: [f32; 2]) -> Vec3 {
+        let Some((colors, patch)) = self.colors.as_ref().zip(self.patches.get(patch)) else {
+            return Vec3::ONE;
+        };
+        let of = |i: u32| colors.get(i as usize).copied().unwrap_or(Vec3::ONE);
+        let [a, b, c, d] = patch.vertices;
+        if patch.is_prism() {
+            of(a) + u * (of(b) - of(a)) + v * (of(c) - of(a))
+        } else {
+            of(a).lerp(of(b), u).lerp(of(c).lerp(of(d), u), v)
+        }
     }
 
     /// How many boxes there are.

@@ -51,6 +51,7 @@ impl Loaded {
             let common_height = skin.height.unwrap_or_else(|| height_for(bounds));
             let (steps, folds_in_the_end) = (&self.grooms[entry], skin.folds);
             let aspect = skin.aspect.unwrap_or(SkinEntry::ASPECT);
+            let painted = skin.vertex_color.as_ref();
             for Selection { mesh, selected, top } in selections {
                 let on = &self.imported.meshes[*mesh];
                 let selected = |face: usize| selected[face];
@@ -89,10 +90,29 @@ impl Loaded {
                     let groomed = groom(&skin, steps, &options).map_err(fault)?;
                     (skin, effects) = (groomed.skin, groomed.effects);
                 }
+                if let Some(name) = painted {
+                    skin.colors = Some(self.painted(entry, &on.name, name, &skin)?);
+                }
                 skins.push(Dressed { entry, mesh: *mesh, skin, effects });
             }
         }
         Ok(skins)
+    }
+
+    /// The colours by vertex that the attribute `name` holds.
+    fn painted(&self, entry: usize, mesh: &str, name: &str, skin: &Skin) -> Result<Vec<Vec3>, Error> {
+        let values = |component: &str| {
+            let whole = format!("{name}.{component}");
+            skin.attributes.iter().find(|a| a.name == whole).map(|a| a.values.as_slice())
+        };
+        let (Some(r), Some(g), Some(b)) = (values("r"), values("g"), values("b")) else {
+            let known = skin.attributes.iter().filter_map(|a| a.name.strip_suffix(".b"));
+            let field = format!("skin[{entry}].vertex_color");
+            let what = format!("vertex attribute of three numbers on mesh `{mesh}`, called");
+            return Err(self.file.unknown(field, &what, name, known).into());
+        };
+        let color = |((r, g), b): ((&f32, &f32), &f32)| Vec3::new(*r, *g, *b).max(Vec3::ZERO);
+        Ok(r.iter().zip(g).zip(b).map(color).collect())
     }
 }
 

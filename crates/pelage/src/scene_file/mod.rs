@@ -104,6 +104,9 @@ pub struct SkinEntry {
     #[serde(default = "white")]
     #[schemars(inner(range(min = 0)))]
     pub tint: [f32; 3],
+    /// A vertex attribute of three numbers that multiplies them, as in `COLOR_0`; linear.
+    #[serde(default)]
+    pub vertex_color: Option<String>,
     /// Whether the colour of the surface below multiplies the texel's colours too.
     #[serde(default = "yes")]
     pub wears_material: bool,
@@ -155,6 +158,7 @@ impl Default for SkinEntry {
             tiling: None,
             aspect: None,
             tint: white(),
+            vertex_color: None,
             wears_material: true,
             folds: Folds::default(),
             groom: Vec::new(),

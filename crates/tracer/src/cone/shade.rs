@@ -374,22 +374,23 @@ fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, apart: f32) -> Correl
     Correlation { q: (*inverse * (to_light - view)).length() / apart }
 }
 
-/// The colour of the surface below a voxel, where the coat wears it.
+/// The colour that was painted on the skin below a voxel, and that of the surface there, where the coat wears it.
 fn surface_colour(scene: &Scene, coat: &Coat, seen: &SeenVoxel, u: Vec3, edge: f32) -> Vec3 {
-    if !coat.wears_material {
-        return Vec3::ONE;
-    }
     let index = scene.patch_index(seen.key.patch);
+    let painted = coat.skin.color(index, [u.x, u.y]);
     let patch = &coat.skin.patches[index];
-    let Some(material) = scene.materials.get(patch.material.0 as usize) else { return Vec3::ONE };
-    let Some(uvs) = coat.skin.uvs.as_ref().and_then(|uvs| uvs.get(index)) else { return material.base_color };
+    let material = scene.materials.get(patch.material.0 as usize).filter(|_| coat.wears_material);
+    let Some(material) = material else { return painted };
+    let Some(uvs) = coat.skin.uvs.as_ref().and_then(|uvs| uvs.get(index)) else {
+        return painted * material.base_color;
+    };
     let [a, b, c, d] = *uvs;
     let prism = patch.is_prism();
     let uv = if prism { a + u.x * (b - a) + u.y * (c - a) } else { a.lerp(b, u.x).lerp(c.lerp(d, u.x), u.y) };
     // A voxel's edge in units of uv: box units per texel unit are one over the lattice's axes.
     let per_texel = |along: Vec2, axis: Vec2| along.length() / axis.length().max(f32::MIN_POSITIVE);
     let footprint = edge * per_texel(b - a, patch.lattice.u).max(per_texel(c - a, patch.lattice.v));
-    scene.colour_of(material, uv, footprint)
+    painted * scene.colour_of(material, uv, footprint)
 }
 
 #[cfg(test)]

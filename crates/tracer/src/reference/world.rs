@@ -67,21 +67,22 @@ impl<'a> World<'a> {
         Filled { contents, carrier, coat, anchor: p.anchor }
     }
 
-    /// What the content of a box is multiplied by at box coordinates, in all copies: the coat's tint, and the colour of the surface
+    /// What the content of a box is multiplied by at box coordinates, in all copies: the coat's tint, what was painted on the skin, and the colour of the surface
     /// below where the coat wears it.
     pub(super) fn worn(&self, patch: u32, at: DVec3) -> Vec3 {
         let (coat, p) = self.scene.patch(patch);
         let material = self.scene.materials.get(p.material.0 as usize).filter(|_| coat.wears_material);
-        let Some(material) = material else { return coat.tint };
-        let uvs = coat.skin.uvs.as_ref().and_then(|uvs| uvs.get(self.scene.patch_index(patch)));
-        let Some(&[a, b, c, d]) = uvs else { return coat.tint * material.base_color };
-        let u = at.as_vec3();
+        let (index, u) = (self.scene.patch_index(patch), at.as_vec3());
+        let tint = coat.tint * coat.skin.color(index, [u.x, u.y]);
+        let Some(material) = material else { return tint };
+        let uvs = coat.skin.uvs.as_ref().and_then(|uvs| uvs.get(index));
+        let Some(&[a, b, c, d]) = uvs else { return tint * material.base_color };
         let uv = if p.is_prism() {
             a + u.x * (b - a) + u.y * (c - a)
         } else {
             a.lerp(b, u.x).lerp(c.lerp(d, u.x), u.y)
         };
-        coat.tint * self.scene.colour_of(material, uv, 0.0)
+        tint * self.scene.colour_of(material, uv, 0.0)
     }
 }
 
