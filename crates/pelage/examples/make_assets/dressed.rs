@@ -11,7 +11,9 @@ pub fn dressed() -> Vec<u8> {
     let mut file = Buffers::default();
     let lawn = file.surface(12, 12, |u, v| [vec3(4.0 * u - 2.0, 0.0, 2.0 - 4.0 * v), Vec3::Y]);
     let ball = file.surface(32, 16, |u, v| {
-        let ((sin_u, cos_u), (sin_v, cos_v)) = ((TAU * u).sin_cos(), (PI * v).sin_cos());
+        // The last column stands where the first does, and both poles are points.
+        let ((sin_u, cos_u), (sin_v, cos_v)) = ((TAU * u.fract()).sin_cos(), (PI * v).sin_cos());
+        let sin_v = if v == 1.0 { 0.0 } else { sin_v };
         let normal = vec3(sin_v * sin_u, -cos_v, sin_v * cos_u);
         [vec3(0.0, 0.55, 0.0) + 0.5 * normal, normal]
     });
