@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::cone::composite::View;
 use crate::cone::shade::Shader;
-use crate::{Camera, Film, Pixel, Rays, Rect, Scene, Settings};
+use crate::{Camera, Counts, Film, Pixel, Rays, Rect, Scene, Settings};
 
 /// Tiles are this many pixels a side: small enough to share out, large enough that neighbours share what they read.
 const TILE: u32 = 16;
@@ -62,13 +62,27 @@ pub fn render(
     settings: &Settings,
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<Film, RenderError> {
+    render_counted(scene, camera, settings, progress).map(|(film, _)| film)
+}
+
+/// As [`render`], and tells what was done for it. Counts are no part of the picture: they may differ with the number
+/// of threads.
+///
+/// # Errors
+/// Those of [`render`].
+pub fn render_counted(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
+) -> Result<(Film, Counts), RenderError> {
     let window = check(camera, settings)?;
     let columns = window.width.div_ceil(TILE);
     let rows = window.height.div_ceil(TILE);
     let total = columns as usize * rows as usize;
     let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
 
-    let tiles: Vec<Option<(Rect, Vec<Pixel>)>> = (0..total as u32)
+    let tiles: Vec<Option<(Rect, Vec<Pixel>, Counts)>> = (0..total as u32)
         .into_par_iter()
         .map_init(Default::default, |(view, shader): &mut (View, Shader), i| {
             if stop.load(Ordering::Relaxed) {
@@ -90,19 +104,23 @@ pub fn render(
             if progress(Progress { done, total }).is_break() {
                 stop.store(true, Ordering::Relaxed);
             }
-            Some((tile, pixels))
+            let mut counts = view.take_counts();
+            counts += shader.take_counts();
+            Some((tile, pixels, counts))
         })
         .collect();
 
     let mut film = Film::new(settings.size, window);
-    for (tile, pixels) in tiles.into_iter().flatten() {
+    let mut counts = Counts::default();
+    for (tile, pixels, of_tile) in tiles.into_iter().flatten() {
         film.paste(tile, &pixels);
+        counts += of_tile;
     }
     let done = done.into_inner();
     if done < total {
         return Err(RenderError::Cancelled { done, total, film: Box::new(film) });
     }
-    Ok(film)
+    Ok((film, counts))
 }
 
 /// The part of the picture to render, if everything can be used.

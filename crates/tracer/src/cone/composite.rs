@@ -7,7 +7,7 @@ use super::march::{Beam, march};
 use super::passages::{self, BoxPassage};
 use super::{Blend, Piece, Trail, VoxelKey};
 use crate::surface::SurfaceHit;
-use crate::{Scene, Settings};
+use crate::{Counts, Scene, Settings};
 
 /// A voxel as a pixel sees it: the mean of its pieces over the pixel's rays.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +59,11 @@ impl View {
         self.surfaces.clear();
     }
 
+    /// What was done since this was asked last.
+    pub fn take_counts(&mut self) -> Counts {
+        std::mem::take(&mut self.trail.counts)
+    }
+
     /// Follows one ray of a pixel, of which it is the part `share`. Returns what gets through to the background.
     pub fn trace(&mut self, scene: &Scene, settings: &Settings, ray: &Ray, cone: &Cone, share: f32) -> f32 {
         let surface = scene.surfaces.closest(ray, f64::INFINITY);
@@ -66,6 +71,7 @@ impl View {
         let beam = Beam { ray, cone, settings };
         let direction = ray.direction.as_vec3();
         let mut blend = Blend::START;
+        self.trail.counts.rays += 1;
 
         passages::collect(scene, ray, 0.0, end, &mut self.passages);
         self.trail.clear();

@@ -10,7 +10,7 @@ use super::path::{Chord, LocalRay};
 use super::stretch::Stretches;
 use super::{Blend, Piece, Trail, VoxelKey};
 use crate::variety::Tile;
-use crate::{Opacity, Path, Scene, Settings};
+use crate::{Counts, Opacity, Path, Scene, Settings};
 
 /// Two chords may differ by this much of a level before one level for both would show.
 const LEVELS_PER_CHORD: f32 = 0.25;
@@ -45,7 +45,7 @@ pub(crate) fn march(scene: &Scene, beam: Beam, passage: &BoxPassage, trail: &mut
     let finest = Band::of(levels[0].max(levels[1]), texels.depth()).finest();
     let least = ((levels[1] - levels[0]).abs() / LEVELS_PER_CHORD).ceil() as usize;
 
-    let Trail { pieces, chords } = trail;
+    let Trail { pieces, chords, counts } = trail;
     let first = chords.len();
     match settings.path {
         Path::Curved => {
@@ -60,8 +60,10 @@ pub(crate) fn march(scene: &Scene, beam: Beam, passage: &BoxPassage, trail: &mut
         let middle = ((0.5 * (t[0] + t[1]) - passage.t[0]) / span) as f32;
         levels[0] + (levels[1] - levels[0]) * middle
     };
+    counts.passages += 1;
+    counts.chords += (chords.len() - first) as u64;
     let begin = pieces.len();
-    let mut walker = Walker { settings, patch: passage.patch, blend: Blend::START, pieces };
+    let mut walker = Walker { settings, patch: passage.patch, blend: Blend::START, pieces, counts };
     for (index, chord) in chords.iter().enumerate().skip(first) {
         if let Some(texel) = texels.plain() {
             let whole = Filled { texel, tile: None, range: [0.0, 1.0], at: chord.at };
@@ -115,6 +117,7 @@ struct Walker<'a> {
     patch: u32,
     blend: Blend,
     pieces: &'a mut Vec<Piece>,
+    counts: &'a mut Counts,
 }
 
 impl Walker<'_> {
@@ -140,7 +143,9 @@ impl Walker<'_> {
             None => (level.walk(from, to), IVec3::ZERO),
             Some(tile) => (level.walk_alone(from, to), IVec2::from(tile.copy).extend(0) << l),
         };
+        self.counts.walks += 1;
         for Step { cell, voxel, enter, leave } in steps {
+            self.counts.cells += 1;
             let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else {
                 continue;
             };

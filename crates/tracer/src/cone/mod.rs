@@ -24,6 +24,8 @@ use glam::Vec3;
 
 use path::Chord;
 
+use crate::Counts;
+
 /// Which voxel of which box: rays that meet the same one share its shading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct VoxelKey {
@@ -74,6 +76,8 @@ pub(crate) struct Piece {
 pub(crate) struct Trail {
     pub pieces: Vec<Piece>,
     pub chords: Vec<Chord>,
+    /// What was done for all trails so far.
+    pub counts: Counts,
 }
 
 impl Trail {

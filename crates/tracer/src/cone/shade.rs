@@ -11,7 +11,7 @@ use super::path::to_box;
 use super::shadow::{Correlation, ShadowBuffers, ShadowCone};
 use crate::light::Incoming;
 use crate::scene::Coat;
-use crate::{Environment, Scene, Settings};
+use crate::{Counts, Environment, Scene, Settings};
 
 /// Lights what a pixel sees; holds the buffers of the shadow cones.
 #[derive(Default)]
@@ -22,6 +22,11 @@ pub(crate) struct Shader {
 }
 
 impl Shader {
+    /// What was done since this was asked last.
+    pub fn take_counts(&mut self) -> Counts {
+        self.shadows.take_counts()
+    }
+
     /// The radiance of a voxel's visible matter towards the eye.
     pub fn voxel(&mut self, scene: &Scene, settings: &Settings, seen: &SeenVoxel) -> Vec3 {
         let (coat, patch) = scene.patch(seen.key.patch);

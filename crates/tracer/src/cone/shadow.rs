@@ -7,7 +7,7 @@ use super::Trail;
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
 use super::{Blend, Piece};
-use crate::{Scene, Settings};
+use crate::{Counts, Scene, Settings};
 
 /// A cone from a shaded point towards a light.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +64,11 @@ pub(crate) struct ShadowBuffers {
 }
 
 impl ShadowBuffers {
+    /// What was done since this was asked last.
+    pub fn take_counts(&mut self) -> Counts {
+        std::mem::take(&mut self.trail.counts)
+    }
+
     /// The part of the light that arrives, in `[0, 1]`.
     pub fn transmittance(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
         let ray = Ray { origin: shadow.origin, direction: shadow.direction };
@@ -86,6 +91,7 @@ impl ShadowBuffers {
         let walk = Settings { min_transmittance: least, ..*settings };
         let beam = Beam { ray: &ray, cone: &shadow.cone, settings: &walk };
         let mut blend = Blend::START;
+        self.trail.counts.light_cones += 1;
         passages::collect(scene, &ray, shadow.start, shadow.end, &mut self.passages);
         for passage in &self.passages {
             self.trail.clear();
