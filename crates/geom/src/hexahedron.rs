@@ -288,18 +288,20 @@ impl Hexahedron {
             if seen.aside(face.mask) {
                 continue;
             }
-            let arranged = order.arrange(&face.corners).map(|i| seen.corners[i]);
-            for &hit in wall::crossings(&arranged).iter() {
+            let [a, b, c, d] = order.arrange(&face.corners);
+            let corners = [seen.corners[a], seen.corners[b], seen.corners[c], seen.corners[d]];
+            for &hit in wall::crossings(&corners).iter() {
                 let WallHit { t, a, b, side } = order.restore(hit);
                 let step = if face.outward { -side } else { side };
                 crossings.push(Crossing { t, u: face.place.coordinates(a, b), step });
             }
         }
         if self.prism {
-            for (w, cap) in CAPS.iter().enumerate() {
-                if let Some((t, weights, side)) = wall::triangle_crossing(cap.map(|i| seen.corners[i])) {
+            for (w, &[a, b, c]) in CAPS.iter().enumerate() {
+                let corners = [seen.corners[a], seen.corners[b], seen.corners[c]];
+                if let Some((t, weights, side)) = wall::triangle_crossing(corners) {
                     let step = if w == 0 { side } else { -side };
-                    crossings.push(Crossing { t, u: DVec3::new(weights[1], weights[2], w as f64), step });
+                    crossings.push(Crossing { t, u: DVec3::new(weights.y, weights.z, w as f64), step });
                 }
             }
         }

@@ -39,15 +39,12 @@ macro_rules! trilinear {
             /// J(u): columns ∂T/∂u, ∂T/∂v, ∂T/∂w, in scene units per box unit.
             #[inline]
             pub fn jacobian(&self, u: $vec) -> $mat {
-                let c = &self.corners;
+                let [a, b, c, d, e, f, g, h] = self.corners;
                 // Differences before interpolation: what cancels, cancels exactly.
-                let along = |i: usize, j: usize, k: usize, l: usize, m: usize, n: usize, p: usize, q: usize, a: $scalar, b: $scalar| {
-                    (c[j] - c[i]).lerp(c[l] - c[k], a).lerp((c[n] - c[m]).lerp(c[q] - c[p], a), b)
-                };
                 <$mat>::from_cols(
-                    along(0, 1, 2, 3, 4, 5, 6, 7, u.y, u.z),
-                    along(0, 2, 1, 3, 4, 6, 5, 7, u.x, u.z),
-                    along(0, 4, 1, 5, 2, 6, 3, 7, u.x, u.y),
+                    (b - a).lerp(d - c, u.y).lerp((f - e).lerp(h - g, u.y), u.z),
+                    (c - a).lerp(d - b, u.x).lerp((g - e).lerp(h - f, u.x), u.z),
+                    (e - a).lerp(f - b, u.x).lerp((g - c).lerp(h - d, u.x), u.y),
                 )
             }
 

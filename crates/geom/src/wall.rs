@@ -288,7 +288,7 @@ fn to_and_fro(p: &[DVec3; 4]) -> WallHits {
         return WallHits::NONE;
     }
     let roots = wall.roots();
-    let b = roots.map(|a| wall.b(a));
+    let b = [wall.b(roots[0]), wall.b(roots[1])];
     // Positive inside. In exact arithmetic the two agree in sign; where rounding parts them the clearer one decides.
     let depth = |i: usize| roots[i].min(1.0 - roots[i]).min(b[i].min(1.0 - b[i]));
     if !((b[0] + b[1]).is_finite() && depth(0) + depth(1) > 0.0) {
@@ -305,15 +305,15 @@ fn to_and_fro(p: &[DVec3; 4]) -> WallHits {
 
 /// Where a ray meets a triangle in ray space, as the weights of its corners, with distance and side.
 #[inline]
-pub(crate) fn triangle_crossing([a, b, c]: [DVec3; 3]) -> Option<(f64, [f64; 3], i8)> {
+pub(crate) fn triangle_crossing([a, b, c]: [DVec3; 3]) -> Option<(f64, DVec3, i8)> {
     let side = edge_winding(a, b) + edge_winding(b, c) + edge_winding(c, a);
     if side == 0 {
         return None;
     }
-    let weights = [cross(b, c), cross(c, a), cross(a, b)].map(|w| (w * f64::from(side)).max(0.0));
-    let total = weights[0] + weights[1] + weights[2];
-    let weights = if total > 0.0 { weights.map(|w| w / total) } else { [1.0 / 3.0; 3] };
-    Some((weights[0] * a.z + weights[1] * b.z + weights[2] * c.z, weights, side))
+    let weights = (DVec3::new(cross(b, c), cross(c, a), cross(a, b)) * f64::from(side)).max(DVec3::ZERO);
+    let total = weights.element_sum();
+    let weights = if total > 0.0 { weights / total } else { DVec3::splat(1.0 / 3.0) };
+    Some((weights.dot(DVec3::new(a.z, b.z, c.z)), weights, side))
 }
 
 /// A whole box as one ray sees it: the trilinear map in the ray's own coordinates (x, y, t), where any wall

@@ -1,6 +1,6 @@
 //! A line against the matter of one voxel, with only as much of the voxel unpacked as it takes to miss it.
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, Vec3, Vec3A};
 
 use crate::compact::CompactView;
 use crate::packed::Packed;
@@ -43,10 +43,11 @@ matter!(Packed, CompactView<'_>);
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     /// Where its parameter is 0, in voxels of the level.
-    pub from: Vec3,
+    pub(crate) from: Vec3A,
     /// What a parameter of 1 moves it by.
-    pub step: Vec3,
-    inverse: Vec3,
+    pub(crate) step: Vec3A,
+    /// 1 / step, never infinite: where it moves by (nearly) nothing, so large that the sign of a distance decides.
+    pub(crate) inverse: Vec3A,
 }
 
 /// What a line meets in a voxel.
@@ -60,24 +61,21 @@ pub struct Crossing {
 
 impl Line {
     /// The line from `from` that moves by `step` a parameter of 1, in voxels of a level.
+    #[inline]
     pub fn new(from: Vec3, step: Vec3) -> Self {
-        // A line along a plane never crosses it: with a huge inverse, the sign of the distance decides.
-        const STEEPEST: f32 = 1e12;
-        let inverse = step.recip().clamp(Vec3::splat(-STEEPEST), Vec3::splat(STEEPEST));
-        Self { from, step, inverse: Vec3::select(step.cmpeq(Vec3::ZERO), Vec3::splat(STEEPEST), inverse) }
-    }
-
-    /// The same line in the voxels of the next finer level.
-    pub fn finer(&self) -> Self {
-        Self { from: 2.0 * self.from, step: 2.0 * self.step, inverse: 0.5 * self.inverse }
+        const STEEPEST: Vec3A = Vec3A::splat(1e12);
+        let (from, step) = (Vec3A::from(from), Vec3A::from(step));
+        let inverse = step.recip().clamp(-STEEPEST, STEEPEST);
+        Self { from, step, inverse: Vec3A::select(step.cmpeq(Vec3A::ZERO), STEEPEST, inverse) }
     }
 
     /// The part of `range` inside the matter of the voxel in `cell`, with its depth; `None` where that is nothing.
     /// The same as [`Voxel::clip`](crate::Voxel::clip) and [`depth_per_step`](crate::Voxel::depth_per_step).
     #[inline]
     pub(crate) fn cross(&self, matter: &impl Matter, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
-        let p = self.from - cell.as_vec3();
+        let p = self.from - cell.as_vec3a();
         let [lo, hi] = matter.region_box();
+        let (lo, hi) = (Vec3A::from(lo), Vec3A::from(hi));
         let (a, b) = ((lo - p) * self.inverse, (hi - p) * self.inverse);
         let enter = a.min(b).max_element().max(range[0]);
         let leave = a.max(b).min_element().min(range[1]);
@@ -85,6 +83,7 @@ impl Line {
             return None;
         }
         let (normal, [low, high]) = matter.region_slab();
+        let normal = Vec3A::from(normal);
         let (height, speed) = (normal.dot(p), normal.dot(self.step));
         let (mut enter, mut leave) = (enter, leave);
         if speed.abs() < 1e-12 {
@@ -101,7 +100,7 @@ impl Line {
                 return None;
             }
         }
-        let depth = matter.depth_per_step(self.step) * (leave - enter);
+        let depth = matter.depth_per_step(self.step.into()) * (leave - enter);
         (depth > 0.0).then_some(Crossing { range: [enter, leave], depth })
     }
 }

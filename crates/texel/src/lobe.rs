@@ -4,24 +4,27 @@
 //! Of a voxel that holds a whole tuft, hardly a tenth of the surface is seen from anywhere, and of that a part is lit: a
 //! few hundred surfels leave some ten that matter, and a picture of noise. So the coarsest levels sort the surface by
 //! direction first: for each of 72 directions to the eye, the surface that is seen from there, in groups that face
-//! alike, each with the *part* of it that is open towards every cell of its hemisphere.
+//! alike, each with the *part* of it that is open towards every square of its hemisphere.
 
 use std::ops::Range;
 
 use glam::{IVec2, Vec2, Vec3, vec2};
+use rayon::prelude::*;
 
-use crate::packed::{bytes, normal, octahedral, unit};
+use crate::sample::{Sample, snapped_normal};
 use crate::surfel::{Surfel, from_disk, on_disk};
 
-/// The surface that faces alike, of what is seen of a voxel from one direction. 40 bytes.
+/// The surface that faces alike, of what is seen of a voxel from one direction. 14 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lobe {
-    /// Two cells of the disk a byte, the lower half first, in fifteenths.
-    open: [u8; Surfel::SIDE * Surfel::SIDE / 2],
-    normal: [i16; 2],
-    color: [u8; 3],
-    weight: u8,
+    /// Two squares of the disk a byte, the lower half first, in fifteenths.
+    open: [u8; SQUARES * SQUARES / 2],
+    sample: Sample,
 }
+
+/// Squares along each axis of the disk, of [`WIDE`] × [`WIDE`] of a surfel's cells.
+const SQUARES: usize = 4;
+const WIDE: usize = Surfel::SIDE / SQUARES;
 
 /// A point of the surface as a level sees it: what lobes (and surfels) are made of.
 #[derive(Clone, Copy, Debug)]
@@ -38,64 +41,56 @@ impl Lobe {
         let mean = |of: &dyn Fn(&Surfel) -> Vec3| {
             points.iter().map(|(point, share)| *share * of(&point.surfel)).sum::<Vec3>() / share
         };
-        let facing = octahedral(mean(&Surfel::normal).normalize_or(points[0].0.surfel.normal()));
-        let facing_unit = normal(facing);
-        let mut open = [0; Surfel::SIDE * Surfel::SIDE / 2];
-        for cell in 0..Surfel::SIDE * Surfel::SIDE {
-            let d = from_disk(facing_unit, [cell % Surfel::SIDE, cell / Surfel::SIDE]);
-            // Of the light that all of it would take up if it faced as their mean does.
-            let lit = |(point, share): &(Point, f32)| match point.surfel.sees(d) {
-                true => share * point.surfel.normal().dot(d),
-                false => 0.0,
-            };
-            let part = points.iter().map(lit).sum::<f32>() / (share * facing_unit.dot(d));
-            open[cell / 2] |= ((15.0 * part.min(1.0)).round() as u8) << (4 * (cell % 2));
+        let facing = snapped_normal(mean(&Surfel::normal).normalize_or(points[0].0.surfel.normal()));
+        let mut open = [0; SQUARES * SQUARES / 2];
+        for square in 0..SQUARES * SQUARES {
+            let cells = (0..WIDE * WIDE)
+                .map(|i| [WIDE * (square % SQUARES) + i % WIDE, WIDE * (square / SQUARES) + i / WIDE]);
+            let part = cells.map(|cell| {
+                let d = from_disk(facing, cell);
+                // Of the light that all of it would take up if it faced as their mean does.
+                let lit = |(point, share): &(Point, f32)| match point.surfel.sees(d) {
+                    true => share * point.surfel.normal().dot(d),
+                    false => 0.0,
+                };
+                (points.iter().map(lit).sum::<f32>() / (share * facing.dot(d))).min(1.0)
+            });
+            let part = part.sum::<f32>() / (WIDE * WIDE) as f32;
+            open[square / 2] |= ((15.0 * part).round() as u8) << (4 * (square % 2));
         }
-        Self {
-            open,
-            normal: facing,
-            color: bytes(mean(&Surfel::color).map(f32::sqrt)),
-            weight: (255.0 * share / largest).round().clamp(1.0, 255.0) as u8,
-        }
+        Self { open, sample: Sample::new(facing, mean(&Surfel::color), (share / largest).min(1.0)) }
     }
 
-    /// The cells, normal, colour and weight, little endian.
-    pub(crate) fn to_bytes(self) -> [u8; 40] {
-        let [x, y] = self.normal.map(i16::to_le_bytes);
-        let [r, g, b] = self.color;
-        let mut bytes = [0; 40];
-        bytes[..32].copy_from_slice(&self.open);
-        bytes[32..].copy_from_slice(&[x[0], x[1], y[0], y[1], r, g, b, self.weight]);
-        bytes
+    /// The squares and the sample.
+    pub(crate) fn to_bytes(self) -> [u8; 14] {
+        let sample = self.sample.to_bytes();
+        std::array::from_fn(|i| if i < 8 { self.open[i] } else { sample[i - 8] })
     }
 
     /// What [`to_bytes`](Self::to_bytes) made bytes of.
-    pub(crate) fn from_bytes(bytes: [u8; 40]) -> Self {
+    pub(crate) fn from_bytes(bytes: [u8; 14]) -> Self {
         Self {
             open: std::array::from_fn(|i| bytes[i]),
-            normal: [32, 34].map(|at| i16::from_le_bytes([bytes[at], bytes[at + 1]])),
-            color: [bytes[36], bytes[37], bytes[38]],
-            weight: bytes[39],
+            sample: Sample::from_bytes(std::array::from_fn(|i| bytes[8 + i])),
         }
     }
 
     /// Unit normal, texel space.
     #[inline]
     pub fn normal(&self) -> Vec3 {
-        normal(self.normal)
+        self.sample.normal()
     }
 
     /// Linear albedo.
     #[inline]
     pub fn color(&self) -> Vec3 {
-        let root = unit(self.color);
-        root * root
+        self.sample.color()
     }
 
     /// How much is seen of it, as a part of the largest that is seen from the same direction.
     #[inline]
     pub fn weight(&self) -> f32 {
-        f32::from(self.weight) * (1.0 / 255.0)
+        self.sample.weight()
     }
 
     /// The part of it that nothing near hides from the light, of what the eye sees of it (unit vectors to both, texel
@@ -109,7 +104,9 @@ impl Lobe {
         if normal.dot(light) <= 0.0 {
             return 0.0;
         }
-        let [x, y] = on_disk(normal, light).map(|c| c - 0.5);
+        let [x, y] = on_disk(normal, light);
+        let place = |c: f32| c * (1.0 / WIDE as f32) - 0.5;
+        let (x, y) = (place(x), place(y));
         let ([i, j], [a, b]) = ([x.floor(), y.floor()], [x - x.floor(), y - y.floor()]);
         let row = |y: f32| (1.0 - a) * self.open([i, y]) + a * self.open([i + 1.0, y]);
         let open = (1.0 - b) * row(j) + b * row(j + 1.0);
@@ -117,19 +114,19 @@ impl Lobe {
     }
 
     /// What nothing near blocks of its cosine-weighted hemisphere, as [`Surfel::sky`].
-    pub fn sky(&self) -> [(f32, Vec3); 2] {
-        crate::surfel::sky(self.normal(), |cell| self.at(cell))
+    fn sky(&self) -> [(f32, Vec3); 2] {
+        crate::surfel::sky(self.normal(), |[column, row]| self.at([column / WIDE, row / WIDE]))
     }
 
     #[inline]
     fn open(&self, at: [f32; 2]) -> f32 {
-        let [column, row] = at.map(|c| (c.max(0.0) as usize).min(Surfel::SIDE - 1));
-        self.at(Surfel::SIDE * row + column)
+        let cell = |c: f32| (c.max(0.0) as usize).min(SQUARES - 1);
+        self.at([cell(at[0]), cell(at[1])])
     }
 
     #[inline]
-    fn at(&self, cell: usize) -> f32 {
-        f32::from(self.open[cell / 2] >> (4 * (cell % 2)) & 15) * (1.0 / 15.0)
+    fn at(&self, [column, row]: [usize; 2]) -> f32 {
+        f32::from(self.open[SQUARES / 2 * row + column / 2] >> (4 * (column % 2)) & 15) * (1.0 / 15.0)
     }
 }
 
@@ -149,6 +146,30 @@ pub(crate) struct Lobes {
     /// Where those of each voxel and direction begin, and the end; empty in levels that have none.
     first: Vec<u32>,
     all: Vec<Lobe>,
+    /// What each sees of the sky: to sum it takes longer than all else that lights a lobe.
+    skies: Vec<Sky>,
+}
+
+/// What a lobe sees of the sky, above and below the surface: the part of the hemisphere in 1/255, and the sum of its
+/// directions in 1/127.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sky([(u8, [i8; 3]); 2]);
+
+impl Sky {
+    fn new([above, below]: [(f32, Vec3); 2]) -> Self {
+        let sum = |s: f32| (127.0 * s).round() as i8;
+        let half = |(open, v): (f32, Vec3)| ((255.0 * open).round() as u8, [sum(v.x), sum(v.y), sum(v.z)]);
+        Self([half(above), half(below)])
+    }
+
+    #[inline]
+    fn unpack(self) -> [(f32, Vec3); 2] {
+        let Self([above, below]) = self;
+        let half = |(open, [x, y, z]): (u8, [i8; 3])| {
+            (f32::from(open) * (1.0 / 255.0), Vec3::new(x.into(), y.into(), z.into()) * (1.0 / 127.0))
+        };
+        [half(above), half(below)]
+    }
 }
 
 impl Lobes {
@@ -160,7 +181,12 @@ impl Lobes {
             all.extend_from_slice(lobes);
             first.push(all.len() as u32);
         }
-        Self { first, all }
+        Self::of_parts(first, all)
+    }
+
+    fn of_parts(first: Vec<u32>, all: Vec<Lobe>) -> Self {
+        let skies = all.par_iter().map(|lobe| Sky::new(lobe.sky())).collect();
+        Self { first, all, skies }
     }
 
     /// What a voxel shows to each direction; at most `most` lobes each.
@@ -180,11 +206,12 @@ impl Lobes {
         let at = (on_square(eye) * 0.5 + 0.5) * SIDE as f32 - 0.5;
         let (cell, part) = (at.floor(), at - at.floor());
         let hemisphere = 2 * voxel as usize + usize::from(eye.z < 0.0);
-        let mut seen = [(); 4].map(|()| (0.0, 0..0));
+        let mut seen = [const { (0.0, 0..0) }; 4];
         let mut whole = 0.0;
         for (i, (share, range)) in seen.iter_mut().enumerate() {
             let corner = IVec2::new(i as i32 & 1, i as i32 >> 1);
-            let [x, y] = [0, 1].map(|axis| if corner[axis] == 0 { 1.0 - part[axis] } else { part[axis] });
+            let near = |corner: i32, part: f32| if corner == 0 { 1.0 - part } else { part };
+            let (x, y) = (near(corner.x, part.x), near(corner.y, part.y));
             let direction = (cell.as_ivec2() + corner).clamp(IVec2::ZERO, IVec2::splat(SIDE - 1));
             let entry = hemisphere * DIRECTIONS as usize + (direction.y * SIDE + direction.x) as usize;
             if let Some(&[start, end]) = self.first.get(entry..entry + 2)
@@ -204,6 +231,12 @@ impl Lobes {
     #[inline]
     pub(crate) fn all(&self) -> &[Lobe] {
         &self.all
+    }
+
+    /// What a lobe sees of the sky, as [`Lobe::sky`], to some 1/200.
+    #[inline]
+    pub(crate) fn sky(&self, number: u32) -> [(f32, Vec3); 2] {
+        self.skies[number as usize].unpack()
     }
 
     /// Whether the level has any.
@@ -229,11 +262,11 @@ impl Lobes {
             sum = sum.checked_add(count.into())?;
             first.push(sum);
         }
-        (sum as usize == all.len()).then_some(Self { first, all })
+        (sum as usize == all.len()).then(|| Self::of_parts(first, all))
     }
 
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(self.first.as_slice()) + size_of_val(self.all.as_slice())
+        size_of_val(&self.first[..]) + size_of_val(&self.all[..]) + size_of_val(&self.skies[..])
     }
 }
 
@@ -296,8 +329,8 @@ mod tests {
     use crate::random::Random;
 
     #[test]
-    fn forty_bytes() {
-        assert_eq!(size_of::<Lobe>(), 40);
+    fn fourteen_bytes() {
+        assert_eq!(size_of::<Lobe>(), 14);
     }
 
     #[test]

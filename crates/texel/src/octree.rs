@@ -124,6 +124,15 @@ impl Level {
         &self.lobes.all()[number as usize]
     }
 
+    /// What nothing near blocks of the cosine-weighted hemisphere of a lobe, as [`Surfel::sky`].
+    ///
+    /// # Panics
+    /// If there is no lobe of that number.
+    #[inline]
+    pub fn lobe_sky(&self, number: u32) -> [(f32, Vec3); 2] {
+        self.lobes.sky(number)
+    }
+
     /// Points of the density in the voxel of that index; none where the content has surfaces.
     #[inline]
     pub fn scatterers(&self, index: u32) -> Scatterers<'_> {
@@ -164,13 +173,19 @@ impl Level {
     /// periodic texel. Nothing is met by segments that are not finite or end beyond 2²² voxels.
     #[inline]
     pub fn walk(&self, from: Vec3, to: Vec3) -> Walk<'_> {
-        Walk::new(&self.bricks, self.periodic, from, to)
+        self.walk_along(&Line::new(from, to - from), [0.0, 1.0])
     }
 
-    /// As [`walk`](Self::walk), in one copy only: nothing is met beyond its borders, even in a periodic texel.
+    /// The same along a line, between two of its parameters.
     #[inline]
-    pub fn walk_alone(&self, from: Vec3, to: Vec3) -> Walk<'_> {
-        Walk::new(&self.bricks, false, from, to)
+    pub fn walk_along(&self, line: &Line, range: [f32; 2]) -> Walk<'_> {
+        Walk::new(&self.bricks, self.periodic, line, range)
+    }
+
+    /// As [`walk_along`](Self::walk_along), in one copy only: nothing is met beyond its borders, even in a periodic texel.
+    #[inline]
+    pub fn walk_alone(&self, line: &Line, range: [f32; 2]) -> Walk<'_> {
+        Walk::new(&self.bricks, false, line, range)
     }
 
     /// Bytes held.

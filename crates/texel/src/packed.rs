@@ -72,14 +72,15 @@ impl Packed {
     /// The slab's normal and its two distances.
     #[inline]
     pub(crate) fn region_slab(&self) -> (Vec3, [f32; 2]) {
-        (normal(self.normal), self.slab.map(|s| f32::from(s) * (1.0 / SLAB_STEPS) - SQRT_3))
+        let distance = |steps: u16| f32::from(steps) * (1.0 / SLAB_STEPS) - SQRT_3;
+        (normal(self.normal), [distance(self.slab[0]), distance(self.slab[1])])
     }
 
     #[inline]
     pub(crate) fn sigma(&self) -> Symmetric3 {
         let scale = power(self.exponent);
-        let [xx, yy, zz, xy, xz, yz] = self.sigma.map(|e| f32::from(e) * scale);
-        Symmetric3 { xx, yy, zz, xy, xz, yz }
+        let entry = |i: usize| f32::from(self.sigma[i]) * scale;
+        Symmetric3 { xx: entry(0), yy: entry(1), zz: entry(2), xy: entry(3), xz: entry(4), yz: entry(5) }
     }
 
     /// Depth a step `d`.
@@ -135,7 +136,8 @@ pub(crate) fn bytes(v: Vec3) -> [u8; 3] {
 /// Bytes as numbers in `[0, 1]`.
 #[inline]
 pub(crate) fn unit(bytes: [u8; 3]) -> Vec3 {
-    Vec3::from_array(bytes.map(f32::from)) * (1.0 / 255.0)
+    let [x, y, z] = bytes;
+    Vec3::new(x.into(), y.into(), z.into()) * (1.0 / 255.0)
 }
 
 /// 2^(exponent − 127), for exponents 1 to 254.
@@ -144,16 +146,27 @@ fn power(exponent: u8) -> f32 {
     f32::from_bits(u32::from(exponent) << 23)
 }
 
-/// The unit vector's point on the octahedron, unfolded into a square [Cigolle14].
+/// The point of a unit vector on the octahedron.
 pub(crate) fn octahedral(n: Vec3) -> [i16; 2] {
-    let p = n / n.abs().element_sum();
-    let p = if p.z < 0.0 { fold(p.truncate()) } else { p.truncate() };
-    p.to_array().map(|c| (32767.0 * c).round() as i16)
+    unfolded(n).to_array().map(|c| (32767.0 * c).round() as i16)
 }
 
 #[inline]
 pub(crate) fn normal(square: [i16; 2]) -> Vec3 {
-    let p = Vec2::from_array(square.map(f32::from)) * (1.0 / 32767.0);
+    let [x, y] = square;
+    folded(Vec2::new(x.into(), y.into()) * (1.0 / 32767.0))
+}
+
+/// A direction's point on the octahedron, unfolded into the square `[−1, 1]²` [Cigolle14].
+#[inline]
+pub(crate) fn unfolded(d: Vec3) -> Vec2 {
+    let p = d / d.abs().element_sum();
+    if p.z < 0.0 { fold(p.truncate()) } else { p.truncate() }
+}
+
+/// The unit vector of a point of the square.
+#[inline]
+pub(crate) fn folded(p: Vec2) -> Vec3 {
     let z = 1.0 - p.x.abs() - p.y.abs();
     let p = if z < 0.0 { fold(p) } else { p };
     p.extend(z).normalize()
@@ -161,7 +174,7 @@ pub(crate) fn normal(square: [i16; 2]) -> Vec3 {
 
 /// Swaps the octahedron's upper half with the corners of the square.
 #[inline]
-pub(crate) fn fold(p: Vec2) -> Vec2 {
+fn fold(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.y))
 }
 

@@ -12,54 +12,37 @@
 //! through the same voxels as the cone to the eye: seen through fog and lit through the same fog, errors of both cancel.
 //! Beyond level 5 voxels are so small that T(v) is left out too.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use crate::packed::{bytes, fold, normal, octahedral, unit};
+use crate::packed::{folded, unfolded};
+use crate::sample::Sample;
 
-/// A point of a density. 8 bytes.
+/// A point of a density. 6 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Scatterer {
-    normal: [i16; 2],
-    color: [u8; 3],
-    weight: u8,
-}
+pub struct Scatterer(pub(crate) Sample);
 
 impl Scatterer {
     /// A point of unit `normal` and linear `color` with the part `weight` (0 to 1) of the heaviest of its voxel.
     pub(crate) fn new(normal: Vec3, color: Vec3, weight: f32) -> Self {
-        let weight = (255.0 * weight).round().max(1.0) as u8;
-        Self { normal: octahedral(normal), color: bytes(color.map(f32::sqrt)), weight }
-    }
-
-    /// Normal, colour and weight, little endian.
-    pub(crate) fn to_bytes(self) -> [u8; 8] {
-        let ([x, y], [r, g, b]) = (self.normal.map(i16::to_le_bytes), self.color);
-        [x[0], x[1], y[0], y[1], r, g, b, self.weight]
-    }
-
-    /// What [`to_bytes`](Self::to_bytes) made bytes of.
-    pub(crate) fn from_bytes([a, b, c, d, red, green, blue, weight]: [u8; 8]) -> Self {
-        let normal = [i16::from_le_bytes([a, b]), i16::from_le_bytes([c, d])];
-        Self { normal, color: [red, green, blue], weight }
+        Self(Sample::new(normal, color, weight))
     }
 
     /// Unit normal, out of the density; texel space.
     #[inline]
     pub fn normal(&self) -> Vec3 {
-        normal(self.normal)
+        self.0.normal()
     }
 
     /// Linear albedo.
     #[inline]
     pub fn color(&self) -> Vec3 {
-        let root = unit(self.color);
-        root * root
+        self.0.color()
     }
 
     /// What it stands for, as a part of what the voxel's heaviest does.
     #[inline]
     pub fn weight(&self) -> f32 {
-        f32::from(self.weight) * (1.0 / 255.0)
+        self.0.weight()
     }
 }
 
@@ -68,7 +51,7 @@ impl Scatterer {
 pub(crate) fn directions(side: usize) -> impl Iterator<Item = Vec3> {
     (0..(side + 1).pow(2)).map(move |i| {
         let corner = [i % (side + 1), i / (side + 1)].map(|c| 2.0 * c as f32 / side as f32 - 1.0);
-        normal(corner.map(|c| (32767.0 * c).round() as i16))
+        folded(Vec2::from_array(corner))
     })
 }
 
@@ -124,10 +107,11 @@ impl<'a> Scatterers<'a> {
         let Some(map) = self.maps.get(i * row * row..(i + 1) * row * row).filter(|_| self.side > 0) else {
             return 1.0;
         };
-        let p = d / d.abs().element_sum();
-        let p = if p.z < 0.0 { fold(p.truncate()) } else { p.truncate() };
-        let [x, y] = p.to_array().map(|c| 0.5 * (c + 1.0) * self.side as f32);
-        let [i, j] = [x, y].map(|c| (c.max(0.0) as usize).min(self.side - 1));
+        let p = unfolded(d);
+        let place = |c: f32| 0.5 * (c + 1.0) * self.side as f32;
+        let (x, y) = (place(p.x), place(p.y));
+        let cell = |c: f32| (c.max(0.0) as usize).min(self.side - 1);
+        let (i, j) = (cell(x), cell(y));
         let (a, b) = (x - i as f32, y - j as f32);
         let at = |i: usize, j: usize| f32::from(map[j * row + i]);
         let along = |j: usize| at(i, j) + a * (at(i + 1, j) - at(i, j));
@@ -241,8 +225,8 @@ mod tests {
     use crate::random::Random;
 
     #[test]
-    fn eight_bytes() {
-        assert_eq!(size_of::<Scatterer>(), 8);
+    fn six_bytes() {
+        assert_eq!(size_of::<Scatterer>(), 6);
     }
 
     #[test]

@@ -14,15 +14,14 @@
 
 use glam::Vec3;
 
-use crate::packed::{bytes, normal, octahedral, unit};
+use crate::sample::Sample;
 
-/// A point of the surface, seen from one side. 16 bytes.
+/// A point of the surface, seen from one side. 14 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Surfel {
-    open: u64,
-    normal: [i16; 2],
-    color: [u8; 3],
-    weight: u8,
+    /// A bit a cell, row after row, little endian.
+    open: [u8; 8],
+    sample: Sample,
 }
 
 impl Surfel {
@@ -39,90 +38,80 @@ impl Surfel {
     /// A surfel of unit `normal` and linear `color`, which stands for the part `weight` (0 to 1) of the largest of its
     /// voxel.
     pub(crate) fn new(normal: Vec3, color: Vec3, weight: f32, open: u64) -> Self {
-        Self {
-            open,
-            normal: octahedral(normal),
-            color: bytes(color.map(f32::sqrt)),
-            // Nothing that is there weighs nothing.
-            weight: (255.0 * weight).round().max(1.0) as u8,
-        }
+        Self::of_parts(Sample::new(normal, color, weight), open)
     }
 
-    /// From what the methods below give.
-    pub(crate) fn of_parts(normal: [i16; 2], color: [u8; 3], weight: u8, open: u64) -> Self {
-        Self { open, normal, color, weight }
+    /// From its two parts.
+    #[inline]
+    pub(crate) fn of_parts(sample: Sample, open: u64) -> Self {
+        Self { open: open.to_le_bytes(), sample }
     }
 
-    /// The normal's point on the octahedron.
-    pub(crate) fn octahedral(&self) -> [i16; 2] {
-        self.normal
+    /// Normal, colour and weight.
+    pub(crate) fn sample(&self) -> Sample {
+        self.sample
     }
 
-    /// Square roots of the albedo, 1/255.
-    pub(crate) fn root_color(&self) -> [u8; 3] {
-        self.color
+    #[inline]
+    fn mask(&self) -> u64 {
+        u64::from_le_bytes(self.open)
     }
 
     /// The mask by squares of 2 × 2 cells, if those of each are alike.
     pub(crate) fn coarse_mask(&self) -> Option<u16> {
         // Each square's lowest cell says it for all four.
-        let lowest = self.open & 0x0055_0055_0055_0055;
+        let lowest = self.mask() & 0x0055_0055_0055_0055;
         let alike = lowest | lowest << 1;
         let alike = alike | alike << 8;
         let square = |i: u32| (lowest >> (16 * (i / 4) + 2 * (i % 4)) & 1) as u16;
-        (alike == self.open).then(|| (0..16).fold(0, |mask, i| mask | square(i) << i))
+        (alike == self.mask()).then(|| (0..16).fold(0, |mask, i| mask | square(i) << i))
     }
 
-    /// Mask, normal, colour and weight, little endian.
-    pub(crate) fn to_bytes(self) -> [u8; 16] {
-        let [x, y] = self.normal.map(i16::to_le_bytes);
-        let [r, g, b] = self.color;
-        let mut bytes = [0; 16];
-        bytes[..8].copy_from_slice(&self.open.to_le_bytes());
-        bytes[8..].copy_from_slice(&[x[0], x[1], y[0], y[1], r, g, b, self.weight]);
-        bytes
+    /// Mask and sample.
+    pub(crate) fn to_bytes(self) -> [u8; 14] {
+        let sample = self.sample.to_bytes();
+        std::array::from_fn(|i| if i < 8 { self.open[i] } else { sample[i - 8] })
     }
 
     /// What [`to_bytes`](Self::to_bytes) made bytes of.
-    pub(crate) fn from_bytes(bytes: [u8; 16]) -> Self {
+    pub(crate) fn from_bytes(bytes: [u8; 14]) -> Self {
         Self {
-            open: u64::from_le_bytes(std::array::from_fn(|i| bytes[i])),
-            normal: [8, 10].map(|at| i16::from_le_bytes([bytes[at], bytes[at + 1]])),
-            color: [bytes[12], bytes[13], bytes[14]],
-            weight: bytes[15],
+            open: std::array::from_fn(|i| bytes[i]),
+            sample: Sample::from_bytes(std::array::from_fn(|i| bytes[8 + i])),
         }
     }
 
     /// Unit normal, on the side that is seen; texel space.
     #[inline]
     pub fn normal(&self) -> Vec3 {
-        normal(self.normal)
+        self.sample.normal()
     }
 
     /// Linear albedo.
     #[inline]
     pub fn color(&self) -> Vec3 {
-        let root = unit(self.color);
-        root * root
+        self.sample.color()
     }
 
     /// The surface that it stands for, as a part of that of the voxel's largest.
     #[inline]
     pub fn weight(&self) -> f32 {
-        f32::from(self.weight) * (1.0 / 255.0)
+        self.sample.weight()
     }
 
     /// What nothing near blocks of its cosine-weighted hemisphere, above and below the surface that the texel stands on:
     /// the part of the hemisphere, and the sum of its directions (texel space), weighted alike.
     pub fn sky(&self) -> [(f32, Vec3); 2] {
-        sky(self.normal(), |cell| if self.open >> cell & 1 != 0 { 1.0 } else { 0.0 })
+        let open = self.mask();
+        sky(self.normal(), |[column, row]| (open >> (Self::SIDE * row + column) & 1) as f32)
     }
 
     /// Whether nothing near blocks it towards the unit vector `d` of texel space; `false` for those behind it.
     #[inline]
     pub fn sees(&self, d: Vec3) -> bool {
         let normal = self.normal();
-        normal.dot(d) > 0.0 && self.is_open(on_disk(normal, d).map(f32::floor))
+        // A cell holds what is between whole numbers: the part after the point is dropped.
+        normal.dot(d) > 0.0 && self.is_open(on_disk(normal, d))
     }
 
     /// How far it is open towards the light, 0 to 1, where the eye sees it (unit vectors to both, texel space).
@@ -136,7 +125,7 @@ impl Surfel {
             return 0.0;
         }
         let (eye, light) = (on_disk(normal, eye), on_disk(normal, light));
-        let [x, y] = [0, 1].map(|i| eye[i].floor() + light[i] - eye[i]);
+        let [x, y] = [eye[0].floor() + light[0] - eye[0], eye[1].floor() + light[1] - eye[1]];
         let ([i, j], [a, b]) = ([x.floor(), y.floor()], [x - x.floor(), y - y.floor()]);
         let open = |x: f32, y: f32| f32::from(u8::from(self.is_open([x, y])));
         let row = |y: f32| open(i, y) + a * (open(i + 1.0, y) - open(i, y));
@@ -146,13 +135,14 @@ impl Surfel {
     /// The bit of the cell at a column and row; of the nearest, outside.
     #[inline]
     fn is_open(&self, at: [f32; 2]) -> bool {
-        let [column, row] = at.map(|c| (c.max(0.0) as u32).min(Self::SIDE as u32 - 1));
-        self.open >> (Self::SIDE as u32 * row + column) & 1 != 0
+        let cell = |c: f32| (c.max(0.0) as u32).min(Self::SIDE as u32 - 1);
+        let (column, row) = (cell(at[0]), cell(at[1]));
+        self.mask() >> (Self::SIDE as u32 * row + column) & 1 != 0
     }
 }
 
-/// [`Surfel::sky`] of a surface of which the part `open` is open through each cell.
-pub(crate) fn sky(normal: Vec3, open: impl Fn(usize) -> f32) -> [(f32, Vec3); 2] {
+/// [`Surfel::sky`] of a surface of which the part `open` is open through each cell, by column and row.
+pub(crate) fn sky(normal: Vec3, open: impl Fn([usize; 2]) -> f32) -> [(f32, Vec3); 2] {
     const SIDE: usize = Surfel::SIDE;
     /// Cells inside the disk.
     const WHOLE: f32 = 52.0;
@@ -164,7 +154,7 @@ pub(crate) fn sky(normal: Vec3, open: impl Fn(usize) -> f32) -> [(f32, Vec3); 2]
         for column in 0..SIDE {
             let a = middle(column);
             let rest = 1.0 - a * a - b * b;
-            let part = if rest < 0.0 { 0.0 } else { open(SIDE * row + column) };
+            let part = if rest < 0.0 { 0.0 } else { open([column, row]) };
             let along = rest.max(0.0).sqrt();
             let height = a * x.z + b * y.z + along * normal.z;
             let under = if height < 0.0 { part } else { 0.0 };
@@ -176,10 +166,11 @@ pub(crate) fn sky(normal: Vec3, open: impl Fn(usize) -> f32) -> [(f32, Vec3); 2]
             }
         }
     }
-    let total = |sums: [[f32; SIDE]; 4]| sums.map(|lanes| lanes.iter().sum::<f32>() / WHOLE);
-    let [below, all] = [total(below), total(all)];
-    let half = |[open, a, b, along]: [f32; 4]| (open, a * x + b * y + along * normal);
-    [half(std::array::from_fn(|i| all[i] - below[i])), half(below)]
+    let sum = |lanes: &[f32; SIDE]| lanes.iter().sum::<f32>() / WHOLE;
+    let total =
+        |[open, a, b, along]: &[[f32; SIDE]; 4]| (sum(open), sum(a) * x + sum(b) * y + sum(along) * normal);
+    let (below, all) = (total(&below), total(&all));
+    [(all.0 - below.0, all.1 - below.1), below]
 }
 
 /// The middle of a row or column of the mask, from −1 to 1.
@@ -191,7 +182,9 @@ const fn middle(i: usize) -> f32 {
 /// each holds as much cosine-weighted light as any other.
 #[inline]
 pub(crate) fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
-    axes(normal).map(|axis| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32)
+    let [x, y] = axes(normal);
+    let place = |axis: Vec3| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32;
+    [place(x), place(y)]
 }
 
 /// The direction through the middle of a cell, by its column and row.
@@ -276,10 +269,11 @@ impl Surfels {
 mod tests {
     use super::*;
     use crate::random::Random;
+    use crate::sample::snapped_normal;
 
     #[test]
-    fn sixteen_bytes() {
-        assert_eq!(size_of::<Surfel>(), 16);
+    fn fourteen_bytes() {
+        assert_eq!(size_of::<Surfel>(), 14);
     }
 
     #[test]
@@ -303,7 +297,7 @@ mod tests {
         let random = &mut Random::new(1, 0);
         for _ in 0..20_000 {
             let n = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
-            let n = normal(octahedral(n));
+            let n = snapped_normal(n);
             let (x, y) = (random.signed(), random.signed());
             let d = direction(n, [x, y]);
             assert!((d.length() - 1.0).abs() < 1e-5 && d.dot(n) > 0.0);

@@ -6,9 +6,9 @@
 use glam::{IVec3, Vec3};
 use wide::f32x4;
 
-use crate::Walk;
 use crate::bricks::Bricks;
 use crate::voxelise::{Cells, Facet};
+use crate::{Line, Walk};
 
 const LANES: usize = 4;
 
@@ -109,7 +109,8 @@ impl Surroundings {
         let [near, far] = range;
         let along = d.to_array().map(f32x4::splat);
         let mut first = far;
-        for step in Walk::new(&self.bricks, self.periodic, from * scale, (from + far * d) * scale) {
+        let line = Line::new(from * scale, far * d * scale);
+        for step in Walk::new(&self.bricks, self.periodic, &line, [0.0, 1.0]) {
             if first <= step.enter * far || first < enough {
                 break;
             }

@@ -11,8 +11,9 @@
 //!
 //! Longer than most files here: half of it is the tests, which need the walk's inside.
 
-use glam::{IVec3, Vec3};
+use glam::{IVec3, Vec3A};
 
+use crate::Line;
 use crate::bricks::{Bricks, Place, bit_of};
 
 /// A cell that a segment crosses.
@@ -32,20 +33,20 @@ pub struct Step {
 #[derive(Clone, Debug)]
 pub struct Walk<'a> {
     bricks: &'a Bricks,
-    from: Vec3,
-    delta: Vec3,
-    /// 1 / delta; 0 where the segment does not move.
-    inverse: Vec3,
-    /// Infinite where the segment does not move, else 0: added to the parameters of that axis's walls.
-    never: Vec3,
-    /// 1 where the segment moves forwards, else 0: which wall of a cell it leaves by.
-    ahead: IVec3,
+    line: Line,
+    /// In each axis 1 where the line moves forwards (or not at all), else 0: which wall of a cell it leaves by.
+    ahead: Vec3A,
+    /// 1 or −1: to the next cell.
+    next: Vec3A,
     /// Unwrapped coordinates are masked by this to wrap.
     mask: i32,
-    /// The cells that exist, before wrapping: `low..high`.
-    low: IVec3,
-    high: IVec3,
-    cell: IVec3,
+    /// The cells that exist, before wrapping: `low..=high`.
+    low: Vec3A,
+    high: Vec3A,
+    /// The cell, in whole numbers: as floats the three axes step together.
+    cell: Vec3A,
+    /// The parameters of the walls by which the line leaves the cell.
+    exit: Vec3A,
     t: f32,
     end: f32,
     /// The 4³ block that was read last: its place, its occupancy and the voxels before it.
@@ -54,56 +55,50 @@ pub struct Walk<'a> {
     first: u32,
 }
 
-impl<'a> Walk<'a> {
-    /// Coordinates beyond this many cells have lost the cell they lie in (an f32 has 24 bits): such segments
-    /// meet nothing.
-    const REACH: f32 = (1 << 22) as f32;
+/// Coordinates beyond this many cells have lost the cell they lie in (an f32 has 24 bits): such segments meet nothing.
+const REACH: f32 = (1 << 22) as f32;
 
-    /// Walks from `from` to `to`, in cells; periodic in x and y if asked, clipped otherwise and in z.
-    pub(crate) fn new(bricks: &'a Bricks, periodic: bool, from: Vec3, to: Vec3) -> Self {
-        let size = bricks.resolution() as i32;
-        let limit = if periodic { 2 * Self::REACH as i32 } else { size };
-        let low = IVec3::new(if periodic { -limit } else { 0 }, if periodic { -limit } else { 0 }, 0);
-        let high = IVec3::new(limit, limit, size);
-        let mut delta = to - from;
-        let mut range = [0.0_f32, 1.0_f32];
-        let [mut inverse, mut never] = [Vec3::ZERO; 2];
-        for axis in 0..3 {
-            // Below this the reciprocal overflows; over the walk's reach it moves by less than an ulp of 1.
-            if delta[axis].abs() < 1e-30 {
-                delta[axis] = 0.0;
-                never[axis] = f32::INFINITY;
-            } else {
-                inverse[axis] = delta[axis].recip();
-            }
-            if !(periodic && axis < 2) {
-                let size = size as f32;
-                if delta[axis] == 0.0 {
-                    if from[axis] < 0.0 || from[axis] >= size {
-                        range[1] = -1.0;
-                    }
-                } else {
-                    let [a, b] = [-from[axis] * inverse[axis], (size - from[axis]) * inverse[axis]];
-                    range = [range[0].max(a.min(b)), range[1].min(a.max(b))];
-                }
-            }
-        }
-        let usable = from.abs().max_element() < Self::REACH && to.abs().max_element() < Self::REACH;
-        let usable = usable && !from.is_nan() && !to.is_nan() && bricks.len() > 0;
-        let [t, end] = if usable { range } else { [0.0, -1.0] };
-        let cell = (from + delta * t).floor().as_ivec3().clamp(low, high - 1);
-        let ahead = IVec3::new(i32::from(delta.x > 0.0), i32::from(delta.y > 0.0), i32::from(delta.z > 0.0));
+/// Added to a whole number of magnitude up to 2²², it leaves the number's two's complement in the low bits.
+const WHOLE: f32 = (3 << 22) as f32;
+
+/// A vector of whole numbers below 2²² as integers: what `as` does, without its care for numbers that are not.
+#[inline]
+fn whole(v: Vec3A) -> IVec3 {
+    let bits = |c: f32| c.to_bits() as i32 - WHOLE.to_bits() as i32;
+    let [x, y, z] = (v + Vec3A::splat(WHOLE)).to_array();
+    IVec3::new(bits(x), bits(y), bits(z))
+}
+
+impl<'a> Walk<'a> {
+    /// Walks along a line (in cells) between two parameters; periodic in x and y if asked, clipped otherwise and in z.
+    #[inline]
+    pub(crate) fn new(bricks: &'a Bricks, periodic: bool, line: &Line, range: [f32; 2]) -> Self {
+        let size = bricks.resolution() as f32;
+        let &Line { from, step, inverse } = line;
+        let (low, high) = if periodic {
+            (Vec3A::new(-REACH, -REACH, 0.0), Vec3A::new(REACH, REACH, size))
+        } else {
+            (Vec3A::ZERO, Vec3A::splat(size))
+        };
+        let (a, b) = ((low - from) * inverse, (high - from) * inverse);
+        let ends = [from + step * range[0], from + step * range[1]];
+        let usable = ends.iter().all(|p| p.abs().cmplt(Vec3A::splat(REACH)).all()) && bricks.len() > 0;
+        let t = a.min(b).max_element().max(range[0]);
+        let end = if usable { a.max(b).min_element().min(range[1]) } else { t };
+        let last = high - Vec3A::ONE;
+        let cell = (from + step * t).floor().clamp(low, last);
+        let backwards = step.cmplt(Vec3A::ZERO);
+        let ahead = Vec3A::select(backwards, Vec3A::ZERO, Vec3A::ONE);
         Self {
             bricks,
-            from,
-            delta,
-            inverse,
-            never,
+            line: *line,
             ahead,
-            mask: size - 1,
+            next: Vec3A::select(backwards, Vec3A::NEG_ONE, Vec3A::ONE),
+            mask: bricks.resolution() as i32 - 1,
             low,
-            high,
+            high: last,
             cell,
+            exit: (cell + ahead - from) * inverse,
             t,
             end,
             block: IVec3::MAX,
@@ -111,34 +106,41 @@ impl<'a> Walk<'a> {
             first: 0,
         }
     }
-}
 
-impl Walk<'_> {
-    /// Moves to where the segment leaves the aligned cube of `size` cells a side around the cell.
+    /// Moves on to the cells `next`, at the parameter `at`.
     #[inline]
-    fn cross(&mut self, size: i32) {
-        let low = self.cell & -size;
-        let wall = (low + self.ahead * size).as_vec3();
-        let at = (wall - self.from) * self.inverse + self.never;
-        let axis = if at.x <= at.y {
-            if at.x <= at.z { 0 } else { 2 }
-        } else if at.y <= at.z {
-            1
-        } else {
-            2
-        };
-        self.t = self.t.max(at[axis]);
-        if size > 1 {
-            let here = (self.from + self.delta * self.t).floor().as_ivec3().clamp(low, low + (size - 1));
-            for other in 0..3 {
-                let [cell, here] = [self.cell[other], here[other]];
-                self.cell[other] = if self.ahead[other] == 1 { here.max(cell) } else { here.min(cell) };
-            }
-        }
-        self.cell[axis] = low[axis] + self.ahead[axis] * (size + 1) - 1;
-        if self.cell[axis] < self.low[axis] || self.cell[axis] >= self.high[axis] {
+    fn enter(&mut self, next: Vec3A, at: f32) {
+        self.t = self.t.max(at);
+        self.cell = next;
+        self.exit = (next + self.ahead - self.line.from) * self.line.inverse;
+        if (next.cmplt(self.low) | next.cmpgt(self.high)).any() {
             self.end = self.end.min(self.t);
         }
+    }
+
+    /// Moves to where the segment leaves the cell: across two walls at once, where they meet.
+    #[inline]
+    fn cross_cell(&mut self) {
+        let at = self.exit.min_element();
+        let crossed = self.exit.cmple(Vec3A::splat(at));
+        self.enter(self.cell + Vec3A::select(crossed, self.next, Vec3A::ZERO), at);
+    }
+
+    /// Moves to where the segment leaves the aligned cube of `size` cells a side around the cell.
+    #[inline]
+    fn cross_cube(&mut self, size: i32) {
+        let side = size as f32;
+        // Powers of two: exact.
+        let low = (self.cell * side.recip()).floor() * side;
+        let walls = (low + self.ahead * side - self.line.from) * self.line.inverse;
+        let at = walls.min_element();
+        let crossed = walls.cmple(Vec3A::splat(at));
+        let here = (self.line.from + self.line.step * self.t.max(at)).floor();
+        let here = here.clamp(low, low + (side - 1.0));
+        // Never backwards.
+        let along = Vec3A::select(self.next.cmplt(Vec3A::ZERO), here.min(self.cell), here.max(self.cell));
+        let beyond = low + self.ahead * (side + 1.0) - 1.0;
+        self.enter(Vec3A::select(crossed, beyond, along), at);
     }
 }
 
@@ -148,12 +150,13 @@ impl Iterator for Walk<'_> {
     #[inline]
     fn next(&mut self) -> Option<Step> {
         while self.t < self.end {
-            let wrapped = self.cell & self.mask;
-            let block = self.cell >> 2;
+            let cell = whole(self.cell);
+            let wrapped = cell & self.mask;
+            let block = cell >> 2;
             if block != self.block {
                 match self.bricks.place(wrapped) {
                     Place::Void(size) => {
-                        self.cross(size);
+                        self.cross_cube(size);
                         continue;
                     }
                     Place::Block(word, first) => {
@@ -164,18 +167,19 @@ impl Iterator for Walk<'_> {
             let bit = bit_of(wrapped);
             if self.word >> bit & 1 == 1 {
                 let voxel = self.first + (self.word & ((1 << bit) - 1)).count_ones();
-                let (cell, enter, end) = (self.cell, self.t, self.end);
-                self.cross(1);
+                let enter = self.t;
+                let end = self.end;
+                self.cross_cell();
                 let leave = self.t.min(end);
                 if leave > enter {
                     return Some(Step { cell, voxel, enter, leave });
                 }
             } else if self.word == 0 {
-                self.cross(4);
+                self.cross_cube(4);
             } else if self.word >> (bit & !7) & 0xff == 0 {
-                self.cross(2);
+                self.cross_cube(2);
             } else {
-                self.cross(1);
+                self.cross_cell();
             }
         }
         None
@@ -184,11 +188,17 @@ impl Iterator for Walk<'_> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
     use proptest::prelude::*;
 
     use super::*;
     use crate::bricks::morton;
     use crate::random::Random;
+
+    /// From one point to another.
+    fn walk(bricks: &Bricks, periodic: bool, from: Vec3, to: Vec3) -> Walk<'_> {
+        Walk::new(bricks, periodic, &Line::new(from, to - from), [0.0, 1.0])
+    }
 
     /// A level with a fraction of its cells occupied, in lumps so that empty cubes of every size occur.
     fn lumps(log: u32, fill: f32, seed: u64) -> Bricks {
@@ -260,7 +270,7 @@ mod tests {
     /// Checks a walk against the slab test. Coordinates of up to `reach` cells carry errors of `reach`·2⁻²³
     /// cells, and cells met for less than a few of those may be missed or met.
     fn check(bricks: &Bricks, periodic: bool, from: Vec3, to: Vec3, reach: f32) {
-        let steps: Vec<Step> = Walk::new(bricks, periodic, from, to).collect();
+        let steps: Vec<Step> = walk(bricks, periodic, from, to).collect();
         let context = || format!("{from} to {to}, size {}", bricks.resolution());
         for pair in steps.windows(2) {
             assert!(pair[0].leave <= pair[1].enter, "order, {}", context());
@@ -341,7 +351,7 @@ mod tests {
         for _ in 0..500 {
             let mut point = || Vec3::new(random.signed(), random.signed(), random.unit()) * 40.0;
             let [from, to] = [point(), point()];
-            let steps: Vec<Step> = Walk::new(&bricks, true, from, to).collect();
+            let steps: Vec<Step> = walk(&bricks, true, from, to).collect();
             for sample in 0..400 {
                 let t = (sample as f32 + 0.5) / 400.0;
                 let p = from + (to - from) * t;
@@ -367,7 +377,7 @@ mod tests {
         for _ in 0..2000 {
             let mut point = |z: f32| Vec3::new(100.0 * random.signed(), 100.0 * random.signed(), z);
             let [from, to] = [point(-1.0), point(17.0)];
-            let steps: Vec<Step> = Walk::new(&bricks, true, from, to).collect();
+            let steps: Vec<Step> = walk(&bricks, true, from, to).collect();
             for pair in steps.windows(2) {
                 assert_eq!(pair[0].leave, pair[1].enter);
             }
@@ -385,15 +395,15 @@ mod tests {
             for axis in 0..3 {
                 let mut p = inside;
                 p[axis] = bad;
-                assert_eq!(Walk::new(&bricks, true, inside, p).count(), 0);
-                assert_eq!(Walk::new(&bricks, true, p, inside).count(), 0);
-                assert_eq!(Walk::new(&bricks, false, p, p).count(), 0);
+                assert_eq!(walk(&bricks, true, inside, p).count(), 0);
+                assert_eq!(walk(&bricks, true, p, inside).count(), 0);
+                assert_eq!(walk(&bricks, false, p, p).count(), 0);
             }
         }
         let empty = Bricks::new(8, &[]);
-        assert_eq!(Walk::new(&empty, true, Vec3::ZERO, Vec3::splat(8.0)).count(), 0);
+        assert_eq!(walk(&empty, true, Vec3::ZERO, Vec3::splat(8.0)).count(), 0);
         // A point inside a voxel is in it all the while.
-        let steps: Vec<Step> = Walk::new(&bricks, true, inside, inside).collect();
+        let steps: Vec<Step> = walk(&bricks, true, inside, inside).collect();
         assert_eq!((steps.len(), steps[0].enter, steps[0].leave), (1, 0.0, 1.0));
     }
 
@@ -401,7 +411,7 @@ mod tests {
     fn far_copies_end() {
         let bricks = lumps(4, 0.8, 1);
         // 4 million cells: no cell has a place of its own any more, but the walk ends, in order.
-        let steps = Walk::new(&bricks, true, Vec3::new(-4e6, 4e6, 0.1), Vec3::new(4e6, -3.9e6, 15.9));
+        let steps = walk(&bricks, true, Vec3::new(-4e6, 4e6, 0.1), Vec3::new(4e6, -3.9e6, 15.9));
         let mut last = 0.0;
         for step in steps {
             assert!(step.enter >= last && step.leave > step.enter);

@@ -181,38 +181,21 @@ fn pixel(
         let (ray, cone) = camera.cone(corner + Vec2::from_array(offset), settings.size);
         background += view.trace(scene, settings, &ray, &cone, share);
     }
-    view.merge();
+    // One ray meets a voxel twice only where it comes back to it.
+    if offsets.len() > 1 {
+        view.merge();
+    }
 
     let mut color = Vec3::ZERO;
     for seen in &view.surfaces {
         color += seen.weight * shader.surface(scene, settings, seen);
     }
     let alpha = (1.0 - background).clamp(0.0, 1.0);
-    let depth = median_depth(camera, view, alpha);
+    let depth = view.median_depth(camera.forward(), alpha);
     view.choose(settings.lit_voxels as usize);
     color += view.voxels.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum::<Vec3>();
 
     Pixel { color, alpha, depth }
-}
-
-/// The depth along the view axis at which half of what is visible lies in front.
-fn median_depth(camera: &Camera, view: &View, alpha: f32) -> f32 {
-    let forward = camera.forward();
-    let mut layers: Vec<(f32, f32)> = view
-        .voxels
-        .iter()
-        .map(|v| (v.t * v.direction.dot(forward), v.weight))
-        .chain(view.surfaces.iter().map(|s| (s.hit.t as f32 * s.direction.dot(forward), s.weight)))
-        .collect();
-    layers.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let mut before = 0.0;
-    for (depth, weight) in layers {
-        before += weight;
-        if before >= 0.5 * alpha {
-            return depth;
-        }
-    }
-    f32::INFINITY
 }
 
 /// Where in a pixel its rays go.

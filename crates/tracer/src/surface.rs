@@ -93,7 +93,7 @@ impl Triangle {
         let geometric_normal = area.normalize_or(Vec3::Y);
         let mix = weights.x * self.normals[0] + weights.y * self.normals[1] + weights.z * self.normals[2];
         let normal = mix.normalize_or(geometric_normal);
-        let lifted = [1.0, -1.0].map(|side| self.lifted(point, weights, side));
+        let lifted = [self.lifted(point, weights, 1.0), self.lifted(point, weights, -1.0)];
         let [p, q, r] = self.uvs;
         let uv_area = (q - p).perp_dot(r - p).abs();
         SurfaceHit {
@@ -150,7 +150,8 @@ fn triangles_of(mesh: &Mesh, f: usize) -> impl Iterator<Item = Triangle> + '_ {
 /// Each edge is asked, in `f64` and from its two corners alone, on which side the ray passes; the answers of the
 /// two triangles at an edge are exact opposites, so no ray falls between them. [seed §4.1, the mixed product]
 pub(crate) fn intersect(corners: &[Vec3; 3], ray: &Ray, limit: f64) -> Option<(f64, Vec3)> {
-    let [a, b, c] = corners.map(|p| p.as_dvec3() - ray.origin);
+    let place = |p: Vec3| p.as_dvec3() - ray.origin;
+    let (a, b, c) = (place(corners[0]), place(corners[1]), place(corners[2]));
     let d = ray.direction;
     let (u, v, w) = (d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b)));
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {

@@ -1,10 +1,15 @@
 //! Front to back: the trails of all boxes merged by distance and cut by what is opaque. [seed §6.2]
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::hash::{BuildHasherDefault, Hasher};
+
 use glam::Vec3;
 use pelage_geom::{Cone, Ray};
 
 use super::march::{Beam, march};
 use super::passages::{self, BoxPassage};
+use super::path::Chord;
 use super::{Blend, Piece, Trail, VoxelKey};
 use crate::surface::SurfaceHit;
 use crate::{Counts, Scene, Settings};
@@ -17,12 +22,10 @@ pub(crate) struct SeenVoxel {
     pub voxel: u32,
     /// How much of the pixel it covers, after what is before it.
     pub weight: f32,
-    /// Optical depth along the ray.
-    pub depth: f32,
     /// Distance of its mean visible point, in scene units.
     pub t: f32,
-    /// Where the ray enters and leaves it, in texel coordinates.
-    pub at: [Vec3; 2],
+    /// That point, in texel coordinates.
+    pub at: Vec3,
     /// The direction of the ray, scene space.
     pub direction: Vec3,
 }
@@ -48,8 +51,13 @@ pub(crate) struct View {
     pub surfaces: Vec<SeenSurface>,
     passages: Vec<BoxPassage>,
     trail: Trail,
-    /// Pieces not yet composited, in order of distance: of the boxes that the ray is in at the same time.
+    /// Pieces not yet composited, in order of distance: of boxes that the ray is in at the same time.
     pending: Vec<Piece>,
+    /// Of each voxel seen, its place among them.
+    places: HashMap<VoxelKey, u32, BuildHasherDefault<KeyHasher>>,
+    /// The voxels' places by distance, each below the bits of its distance.
+    order: Vec<u64>,
+    chosen: Vec<SeenVoxel>,
 }
 
 impl View {
@@ -69,65 +77,90 @@ impl View {
         let surface = scene.surfaces.closest(ray, f64::INFINITY);
         let end = surface.map_or(f64::INFINITY, |hit| hit.t);
         let beam = Beam { ray, cone, settings };
-        let direction = ray.direction.as_vec3();
-        let mut blend = Blend::START;
-        self.trail.counts.rays += 1;
+        let Self { voxels, surfaces, passages, trail, pending, .. } = self;
+        trail.counts.rays += 1;
 
-        passages::collect(scene, ray, 0.0, end, &mut self.passages);
-        self.trail.clear();
-        self.pending.clear();
-        for passage in &self.passages {
+        passages::collect(scene, ray, 0.0, end, passages);
+        trail.clear();
+        pending.clear();
+        let mut sight =
+            Sight { voxels, settings, share, direction: ray.direction.as_vec3(), blend: Blend::START };
+        for (i, passage) in passages.iter().enumerate() {
             // What lies before this box's entry can be overtaken by nothing more.
             let t = passage.t[0] as f32;
-            let ready = self.pending.partition_point(|piece| piece.t < t);
-            for piece in self.pending.drain(..ready) {
-                show(&mut self.voxels, &self.trail, &piece, settings, share, direction, &mut blend);
+            let ready = pending.partition_point(|piece| piece.t < t);
+            for piece in pending.drain(..ready) {
+                sight.show(&trail.chords, &piece);
             }
-            if blend.transmittance() < settings.min_transmittance {
+            if sight.is_done() {
                 break;
             }
-            let before = self.trail.pieces.len();
-            march(scene, beam, passage, &mut self.trail);
-            self.pending.extend(self.trail.pieces.drain(before..));
-            // Stable: of equal distances, the box that was entered first.
-            self.pending.sort_by(|a, b| a.t.total_cmp(&b.t));
+            march(scene, beam, passage, sight.blend.transmittance(), settings.min_transmittance, trail);
+            // Boxes that stand beside each other are gone through one after the other.
+            let alone = passages.get(i + 1).is_none_or(|next| next.t[0] >= passage.t[1]);
+            if alone && pending.is_empty() {
+                for piece in trail.pieces() {
+                    sight.show(&trail.chords, piece);
+                }
+            } else {
+                pending.extend(trail.pieces());
+                // Stable: of equal distances, the box that was entered first.
+                pending.sort_by(|a, b| a.t.total_cmp(&b.t));
+            }
         }
-        for piece in self.pending.drain(..) {
-            show(&mut self.voxels, &self.trail, &piece, settings, share, direction, &mut blend);
+        for piece in pending.drain(..) {
+            sight.show(&trail.chords, &piece);
         }
 
-        let transmittance = blend.transmittance();
+        let transmittance = sight.blend.transmittance();
         if transmittance < settings.min_transmittance {
             return 0.0;
         }
         let Some(hit) = surface else { return share * transmittance };
         let width = cone.width(hit.t) as f32;
         let (weight, reached) = (share * transmittance, transmittance);
-        self.surfaces.push(SeenSurface { hit, weight, reached, direction, width });
+        surfaces.push(SeenSurface { hit, weight, reached, direction: ray.direction.as_vec3(), width });
         0.0
     }
 
     /// Makes one of the pieces of each voxel, whichever rays they came from.
     pub fn merge(&mut self) {
-        self.voxels.sort_by_key(|v| v.key);
+        self.places.clear();
         let mut kept = 0;
         for i in 0..self.voxels.len() {
             let next = self.voxels[i];
-            if kept > 0 && self.voxels[kept - 1].key == next.key {
-                let seen = &mut self.voxels[kept - 1];
-                let weight = seen.weight + next.weight;
-                let part = next.weight / weight;
-                seen.depth += part * (next.depth - seen.depth);
-                seen.t += part * (next.t - seen.t);
-                seen.at = [0, 1].map(|i| seen.at[i].lerp(next.at[i], part));
-                seen.direction = seen.direction.lerp(next.direction, part);
-                seen.weight = weight;
-            } else {
-                self.voxels[kept] = next;
-                kept += 1;
+            match self.places.entry(next.key) {
+                Entry::Occupied(place) => self.voxels[*place.get() as usize].add(&next),
+                Entry::Vacant(place) => {
+                    place.insert(kept as u32);
+                    self.voxels[kept] = next;
+                    kept += 1;
+                }
             }
         }
         self.voxels.truncate(kept);
+    }
+
+    /// The depth along `forward` at which half of what is visible, `alpha` in all, lies in front.
+    pub fn median_depth(&mut self, forward: Vec3, alpha: f32) -> f32 {
+        let depth = |t: f32, direction: Vec3| t * direction.dot(forward);
+        self.order.clear();
+        let voxels = self.voxels.iter().map(|v| depth(v.t, v.direction));
+        let surfaces = self.surfaces.iter().map(|s| depth(s.hit.t as f32, s.direction));
+        self.order.extend(voxels.chain(surfaces).enumerate().map(|(i, depth)| place_at(depth, i)));
+        self.order.sort_unstable();
+        let mut before = 0.0;
+        for &entry in &self.order {
+            let i = place_of(entry);
+            before += match self.voxels.get(i) {
+                Some(voxel) => voxel.weight,
+                None => self.surfaces[i - self.voxels.len()].weight,
+            };
+            if before >= 0.5 * alpha {
+                return f32::from_bits((entry >> 32) as u32);
+            }
+        }
+        f32::INFINITY
     }
 
     /// Leaves at most `most` voxels (at least one), and gives them the weight of all: those that are heavier than
@@ -135,60 +168,116 @@ impl View {
     /// The heaviest alone would be the nearest, which more light reaches.
     pub fn choose(&mut self, most: usize) {
         let most = most.max(1);
-        if self.voxels.len() <= most {
+        let Self { voxels, order, chosen, .. } = self;
+        if voxels.len() <= most {
             return;
         }
-        self.voxels.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(a.key.cmp(&b.key)));
-        let mut rest: f32 = self.voxels.iter().map(|v| v.weight).sum();
-        let mut heavy = 0;
+        chosen.clear();
+        let mut rest: f32 = voxels.iter().map(|v| v.weight).sum();
         // One place at least is kept for the rest.
-        while heavy + 1 < most && self.voxels[heavy].weight * (most - heavy) as f32 >= rest {
-            rest -= self.voxels[heavy].weight;
-            heavy += 1;
+        while chosen.len() + 1 < most {
+            let Some(heaviest) = voxels.iter_mut().reduce(|a, b| if b.weight > a.weight { b } else { a })
+            else {
+                break;
+            };
+            if heaviest.weight * ((most - chosen.len()) as f32) < rest {
+                break;
+            }
+            rest -= heaviest.weight;
+            chosen.push(*heaviest);
+            heaviest.weight = 0.0;
         }
-        let step = rest / (most - heavy) as f32;
-        let light = &mut self.voxels[heavy..];
-        light.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.key.cmp(&b.key)));
-        let (mut next, mut before, mut kept) = (0.5 * step, 0.0, heavy);
-        for i in heavy..self.voxels.len() {
-            let one = self.voxels[i];
-            before += one.weight;
+        let left = most - chosen.len();
+        let step = rest / left as f32;
+        order.clear();
+        order
+            .extend(voxels.iter().enumerate().filter(|(_, v)| v.weight > 0.0).map(|(i, v)| place_at(v.t, i)));
+        order.sort_unstable();
+        let (mut next, mut before) = (0.5 * step, 0.0);
+        for &entry in order.iter() {
+            let voxel = &voxels[place_of(entry)];
+            before += voxel.weight;
             // No lighter one is heavier than a step, so each stands for one at most.
-            if next < before && kept < most {
-                self.voxels[kept] = SeenVoxel { weight: step, ..one };
+            if next < before && chosen.len() < most {
+                chosen.push(SeenVoxel { weight: step, ..*voxel });
                 next += step;
-                kept += 1;
             }
         }
-        self.voxels.truncate(kept);
+        std::mem::swap(voxels, chosen);
     }
 }
 
-/// Lays one piece behind what has been seen.
-fn show(
-    voxels: &mut Vec<SeenVoxel>,
-    trail: &Trail,
-    piece: &Piece,
-    settings: &Settings,
+/// A place in a list below the bits of a distance, which is not negative: numbers that sort as the distances do.
+fn place_at(distance: f32, place: usize) -> u64 {
+    u64::from(distance.max(0.0).to_bits()) << 32 | place as u64
+}
+
+fn place_of(entry: u64) -> usize {
+    (entry & 0xffff_ffff) as usize
+}
+
+impl SeenVoxel {
+    /// Makes it the mean of itself and another piece of the same voxel.
+    fn add(&mut self, other: &Self) {
+        let weight = self.weight + other.weight;
+        let part = other.weight / weight;
+        self.t += part * (other.t - self.t);
+        self.at = self.at.lerp(other.at, part);
+        self.direction = self.direction.lerp(other.direction, part);
+        self.weight = weight;
+    }
+}
+
+/// Mixes the numbers of a [`VoxelKey`].
+#[derive(Default)]
+struct KeyHasher(u64);
+
+impl Hasher for KeyHasher {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_u64(byte.into()));
+    }
+
+    fn write_u64(&mut self, number: u64) {
+        self.0 = (self.0.rotate_left(23) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+}
+
+/// What one ray sees, front to back.
+struct Sight<'a> {
+    voxels: &'a mut Vec<SeenVoxel>,
+    settings: &'a Settings,
     share: f32,
     direction: Vec3,
-    blend: &mut Blend,
-) {
-    // Nothing behind may add: the loss is at most `min_transmittance`.
-    if blend.transmittance() < settings.min_transmittance {
-        return;
-    }
-    let weight = share * blend.pass(piece.key.level, piece.even, piece.through);
-    if weight > 0.0 {
-        voxels.push(seen(trail, piece, weight, direction));
-    }
+    blend: Blend,
 }
 
-fn seen(trail: &Trail, piece: &Piece, weight: f32, direction: Vec3) -> SeenVoxel {
-    let Piece { key, voxel, depth, .. } = *piece;
-    let [near, far] = trail.distances(piece);
-    let t = near + (far - near) * mean_visible(depth);
-    SeenVoxel { key, voxel, weight, depth, t, at: trail.points(piece), direction }
+impl Sight<'_> {
+    /// Nothing behind may add: the loss is at most `min_transmittance`.
+    fn is_done(&self) -> bool {
+        self.blend.transmittance() < self.settings.min_transmittance
+    }
+
+    /// Lays one piece behind what has been seen.
+    #[inline]
+    fn show(&mut self, chords: &[Chord], piece: &Piece) {
+        if self.is_done() {
+            return;
+        }
+        let weight = self.share * self.blend.pass(piece.key.level, piece.even, piece.through);
+        if weight > 0.0 {
+            let chord = &chords[piece.chord as usize];
+            let visible = mean_visible(piece.depth);
+            let x = piece.range[0] + (piece.range[1] - piece.range[0]) * visible;
+            let t = (chord.t[0] + (chord.t[1] - chord.t[0]) * f64::from(x)) as f32;
+            let at = chord.at[0].lerp(chord.at[1], x);
+            let Piece { key, voxel, .. } = *piece;
+            self.voxels.push(SeenVoxel { key, voxel, weight, t, at, direction: self.direction });
+        }
+    }
 }
 
 /// Where in a homogeneous stretch of optical depth τ the light that is seen comes from, as a fraction of its

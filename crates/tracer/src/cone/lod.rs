@@ -5,38 +5,82 @@ use pelage_geom::{Cone, texel_footprint};
 
 use crate::Lod;
 
-/// Two neighbouring levels and the weight of the finer.
+/// How the continuous level λ changes along a stretch of a ray: linearly, from its begin to its end. Between two
+/// levels both are read, and weigh as much as λ is near.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Band {
-    /// The coarser level, `2^coarse` voxels a side.
-    pub coarse: u32,
-    /// Weight of level `coarse + 1`, in `[0, 1)`; at 0 only the coarser is read.
-    pub blend: f32,
+pub(crate) struct Levels {
+    /// λ at both ends.
+    ends: [f32; 2],
+    /// The texel's finest level.
+    depth: u32,
 }
 
-impl Band {
+/// Weights below this show in no picture, and reading one level costs half of two.
+const FAINT: f32 = 1.0 / 256.0;
+
+impl Levels {
+    /// From one λ to another, of a texel whose levels are `0..=depth`.
+    pub fn new(ends: [f32; 2], depth: u32) -> Self {
+        Self { ends, depth }
+    }
+
+    /// The part of it between two fractions.
+    pub fn part(self, range: [f32; 2]) -> Self {
+        let [a, b] = self.ends;
+        Self { ends: [a + (b - a) * range[0], a + (b - a) * range[1]], depth: self.depth }
+    }
+
+    /// Weight of the even one of the two levels in use at a fraction of the stretch.
+    #[inline]
+    pub fn even(self, x: f32) -> f32 {
+        let [a, b] = self.ends;
+        let lambda = (a + (b - a) * x).clamp(0.0, self.depth as f32);
+        let coarse = lambda as u32;
+        let blend = match lambda - coarse as f32 {
+            // A level that is not read has no weight either.
+            blend if blend <= FAINT => 0.0,
+            blend if blend >= 1.0 - FAINT => 1.0,
+            blend => blend,
+        };
+        if coarse % 2 == 0 { 1.0 - blend } else { blend }
+    }
+
     /// The finest level that has any weight.
     pub fn finest(self) -> u32 {
-        self.coarse + u32::from(self.blend > 0.0)
+        let [_, high] = self.bounds();
+        (high - FAINT).ceil().max(0.0) as u32
     }
 
-    /// The levels that have any weight, with it.
-    pub fn levels(self) -> impl Iterator<Item = (u32, f32)> {
-        let coarse = (self.coarse, 1.0 - self.blend);
-        [coarse, (self.coarse + 1, self.blend)].into_iter().filter(|(_, weight)| *weight > 0.0)
+    /// The levels that have any weight, each with the fractions between which it has it, in the order in which the
+    /// stretch comes to them.
+    pub fn in_use(self) -> impl Iterator<Item = (u32, [f32; 2])> {
+        let [low, high] = self.bounds();
+        let (first, last) = ((low + FAINT).floor() as u32, (high - FAINT).ceil().max(0.0) as u32);
+        let rising = self.ends[0] <= self.ends[1];
+        (first..=last.max(first))
+            .map(move |i| if rising { i } else { last.max(first) + first - i })
+            .map(move |level| (level, self.range(level)))
+            .filter(|(_, [begin, end])| begin < end)
     }
 
-    /// The band of a continuous level λ, where a texel has levels `0..=depth`.
-    pub fn of(lambda: f32, depth: u32) -> Self {
-        let lambda = lambda.clamp(0.0, depth as f32);
-        let coarse = lambda as u32;
-        // 1/256 of a level shows in no picture, and reading one level costs half of two.
-        let blend = lambda - coarse as f32;
-        match blend {
-            _ if blend < 1.0 / 256.0 => Self { coarse, blend: 0.0 },
-            _ if blend > 255.0 / 256.0 => Self { coarse: coarse + 1, blend: 0.0 },
-            _ => Self { coarse, blend },
+    /// The least and the largest level, as far as there are any.
+    fn bounds(self) -> [f32; 2] {
+        let [a, b] = self.ends;
+        let most = self.depth as f32;
+        [a.min(b).clamp(0.0, most), a.max(b).clamp(0.0, most)]
+    }
+
+    /// Between which fractions a level weighs more than [`FAINT`].
+    fn range(self, level: u32) -> [f32; 2] {
+        const REACH: f32 = 1.0 - FAINT;
+        let [a, b] = self.ends;
+        let low = if level == 0 { f32::NEG_INFINITY } else { level as f32 - REACH };
+        let high = if level >= self.depth { f32::INFINITY } else { level as f32 + REACH };
+        if a == b {
+            return if low < a && a < high { [0.0, 1.0] } else { [0.0; 2] };
         }
+        let [x, y] = [(low - a) / (b - a), (high - a) / (b - a)];
+        [x.min(y).clamp(0.0, 1.0), x.max(y).clamp(0.0, 1.0)]
     }
 }
 
@@ -57,14 +101,38 @@ pub(crate) fn lambda(lod: Lod, jacobian: &Mat3, direction: Vec3, cone: &Cone, t:
 mod tests {
     use super::*;
 
+    fn in_use(ends: [f32; 2]) -> Vec<(u32, [f32; 2])> {
+        Levels::new(ends, 7).in_use().collect()
+    }
+
     #[test]
-    fn bands() {
-        assert_eq!(Band::of(-3.0, 7), Band { coarse: 0, blend: 0.0 });
-        assert_eq!(Band::of(9.5, 7), Band { coarse: 7, blend: 0.0 });
-        assert_eq!(Band::of(2.25, 7), Band { coarse: 2, blend: 0.25 });
-        assert_eq!(Band::of(2.001, 7), Band { coarse: 2, blend: 0.0 });
-        assert_eq!(Band::of(2.999, 7), Band { coarse: 3, blend: 0.0 });
-        assert_eq!((Band::of(2.25, 7).finest(), Band::of(2.0, 7).finest()), (3, 2));
+    fn levels_in_use() {
+        let whole = [0.0, 1.0];
+        assert_eq!(in_use([-3.0, -2.0]), [(0, whole)]);
+        assert_eq!(in_use([9.5, 9.5]), [(7, whole)]);
+        assert_eq!(in_use([2.25, 2.25]), [(2, whole), (3, whole)]);
+        // What weighs less than 1/256 is not read.
+        assert_eq!(in_use([2.001, 2.001]), [(2, whole)]);
+        assert_eq!(in_use([2.999, 2.999]), [(3, whole)]);
+        assert_eq!([2.001, 2.25, 2.999].map(|l| Levels::new([l; 2], 7).finest()), [2, 3, 3]);
+        // From 2.5 up to 4.5: level 2 until λ = 3, 3 until 4, 4 from 3 on, 5 from 4 on; all but 1/256 of a level.
+        let faint = FAINT / 2.0;
+        let rising = [(2, [0.0, 0.25 - faint]), (3, [0.0, 0.75 - faint]), (4, [0.25 + faint, 1.0])];
+        assert_eq!(in_use([2.5, 4.5])[..3], rising);
+        assert_eq!(in_use([2.5, 4.5])[3], (5, [0.75 + faint, 1.0]));
+        let falling: Vec<u32> = in_use([4.5, 2.5]).iter().map(|(l, _)| *l).collect();
+        assert_eq!(falling, [5, 4, 3, 2]);
+        // Beyond the finest level only that is read, and from where it is reached on with all its weight.
+        assert_eq!(in_use([6.5, 8.5]), [(6, [0.0, 0.25 - faint]), (7, whole)]);
+        assert_eq!(Levels::new([6.5, 8.5], 7).even(0.6), 0.0);
+    }
+
+    #[test]
+    fn even_levels_weigh_what_odd_ones_do_not() {
+        let even = |lambda: f32| Levels::new([lambda; 2], 7).even(0.5);
+        assert_eq!([2.0, 2.25, 3.0, 3.25, 4.0, -1.0, 9.0].map(even), [1.0, 0.75, 0.0, 0.25, 1.0, 1.0, 0.0]);
+        // One level alone has all of the weight.
+        assert_eq!([2.001, 2.999, 3.001].map(even), [1.0, 0.0, 0.0]);
     }
 
     #[test]

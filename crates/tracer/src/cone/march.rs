@@ -4,16 +4,13 @@ use glam::{IVec2, IVec3, Mat3, Vec3};
 use pelage_geom::{Cone, Ray};
 use pelage_texel::{Crossing, Line, Step, Texel};
 
-use super::lod::{Band, lambda};
+use super::lod::{Levels, lambda};
 use super::passages::BoxPassage;
 use super::path::{Chord, LocalRay};
 use super::stretch::Stretches;
-use super::{Blend, Piece, Trail, VoxelKey};
+use super::{Piece, Trail, VoxelKey};
 use crate::variety::Tile;
 use crate::{Counts, Opacity, Path, Scene, Settings};
-
-/// Two chords may differ by this much of a level before one level for both would show.
-const LEVELS_PER_CHORD: f32 = 0.25;
 
 /// A ray with its width and what the user chose.
 #[derive(Clone, Copy)]
@@ -23,72 +20,78 @@ pub(crate) struct Beam<'a> {
     pub settings: &'a Settings,
 }
 
-/// Follows the beam through one box and appends what it meets to `trail`. Stops where less than
-/// `settings.min_transmittance` gets through. Returns what gets through this box.
-pub(crate) fn march(scene: &Scene, beam: Beam, passage: &BoxPassage, trail: &mut Trail) -> f32 {
+/// Follows the beam through one box: `trail` has the pieces of this box then. Of the beam, `entering` has come so far;
+/// it is not followed where less than `least` of it would get through.
+pub(crate) fn march(
+    scene: &Scene,
+    beam: Beam,
+    passage: &BoxPassage,
+    entering: f32,
+    least: f32,
+    trail: &mut Trail,
+) {
     let Beam { ray, cone, settings } = beam;
     let (coat, patch) = scene.patch(passage.patch);
     let texels = &coat.texels;
     let local = LocalRay::new(scene.hexahedron(passage.patch).map(), patch.lattice, ray);
 
-    let jacobians = passage.u.map(|u| local.texel_jacobian(u.as_vec3()));
-    // At both ends, for a texel of this height.
-    let levels_of = |height: f32| {
-        [0, 1].map(|end| {
+    let [first, last] = passage.u;
+    let jacobians = [local.texel_jacobian(first.as_vec3()), local.texel_jacobian(last.as_vec3())];
+    // From end to end, for a texel of this height.
+    let levels_of = |height: f32, depth: u32| {
+        let end = |end: usize| {
             let Mat3 { x_axis, y_axis, z_axis } = jacobians[end];
             let jacobian = Mat3 { x_axis, y_axis, z_axis: height * z_axis };
             lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end])
-                .clamp(0.0, texels.depth() as f32)
-        })
+        };
+        Levels::new([end(0), end(1)], depth)
     };
-    let levels = levels_of(1.0);
-    let finest = Band::of(levels[0].max(levels[1]), texels.depth()).finest();
-    let least = ((levels[1] - levels[0]).abs() / LEVELS_PER_CHORD).ceil() as usize;
+    let levels = levels_of(1.0, texels.depth());
 
-    let Trail { pieces, chords, counts } = trail;
+    let Trail { runs, chords, counts } = trail;
     let first = chords.len();
     match settings.path {
         Path::Curved => {
-            let tolerance = settings.path_tolerance / (1_u32 << finest) as f32;
-            local.chords(passage, tolerance, least, chords);
+            let tolerance = settings.path_tolerance / (1_u32 << levels.finest()) as f32;
+            local.chords(passage, tolerance, chords);
         }
-        Path::Straight => local.straight(passage, least, chords),
+        Path::Straight => chords.push(local.straight(passage)),
     }
-
-    let span = (passage.t[1] - passage.t[0]).max(f64::MIN_POSITIVE);
-    let level_between = |levels: [f32; 2], t: [f64; 2]| {
-        let middle = ((0.5 * (t[0] + t[1]) - passage.t[0]) / span) as f32;
-        levels[0] + (levels[1] - levels[0]) * middle
-    };
     counts.passages += 1;
     counts.chords += (chords.len() - first) as u64;
-    let begin = pieces.len();
-    let mut walker = Walker { settings, patch: passage.patch, blend: Blend::START, pieces, counts };
+
+    let span = (passage.t[1] - passage.t[0]).max(f64::MIN_POSITIVE);
+    let fraction = |t: f64| ((t - passage.t[0]) / span) as f32;
+    let fractions = |[a, b]: [f64; 2]| [fraction(a), fraction(b)];
+    runs.iter_mut().for_each(Vec::clear);
+    let mut walker = Walker { settings, patch: passage.patch, left: [entering; 2], least, runs, counts };
     for (index, chord) in chords.iter().enumerate().skip(first) {
         if let Some(texel) = texels.plain() {
-            let whole = Filled { texel, tile: None, range: [0.0, 1.0], at: chord.at };
-            walker.walk(index as u32, chord, &whole, level_between(levels, chord.t));
+            let levels = levels.part(fractions(chord.t));
+            walker.walk(
+                index as u32,
+                chord,
+                &Filled { texel, tile: None, range: [0.0, 1.0], at: chord.at, levels },
+            );
         } else {
             for stretch in Stretches::of(chord) {
                 let tile = texels.tile(&patch.anchor, stretch.copy);
-                let levels = if tile.height == 1.0 { levels } else { levels_of(tile.height) };
-                let at = chord.points(stretch.range).map(|p| tile.within(p));
-                let part = Filled { texel: texels.of(&tile), tile: Some(&tile), range: stretch.range, at };
-                let t = chord.distances(stretch.range);
-                walker.walk(index as u32, chord, &part, level_between(levels, t));
-                if walker.is_done() {
-                    break;
-                }
+                let texel = texels.of(&tile);
+                let [from, to] = chord.points(stretch.range);
+                let at = [tile.within(from), tile.within(to)];
+                let levels =
+                    levels_of(tile.height, texel.depth()).part(fractions(chord.distances(stretch.range)));
+                walker.walk(
+                    index as u32,
+                    chord,
+                    &Filled { texel, tile: Some(&tile), range: stretch.range, at, levels },
+                );
             }
         }
         if walker.is_done() {
             break;
         }
     }
-    let Walker { blend, pieces, .. } = walker;
-    // Stable: at equal distances, the coarser level first.
-    pieces[begin..].sort_by(|a, b| a.t.total_cmp(&b.t));
-    blend.transmittance()
 }
 
 /// 1 − opacity of an optical depth.
@@ -109,55 +112,67 @@ struct Filled<'a> {
     range: [f32; 2],
     /// Its ends, in the texel's own coordinates.
     at: [Vec3; 2],
+    /// The levels along it.
+    levels: Levels,
 }
 
 /// Walks along the chords of one passage.
 struct Walker<'a> {
     settings: &'a Settings,
     patch: u32,
-    blend: Blend,
-    pieces: &'a mut Vec<Piece>,
+    /// What gets through the even levels, and through the odd ones.
+    left: [f32; 2],
+    /// What is too little to follow.
+    least: f32,
+    runs: &'a mut [Vec<Piece>; 2],
     counts: &'a mut Counts,
 }
 
 impl Walker<'_> {
     fn is_done(&self) -> bool {
-        self.blend.transmittance() < self.settings.min_transmittance
+        self.left[0].max(self.left[1]) < self.least
     }
 
-    /// Along a part of a chord, at the two levels around the continuous level `lambda`.
-    fn walk(&mut self, index: u32, chord: &Chord, part: &Filled, lambda: f32) {
-        for (l, weight) in Band::of(lambda, part.texel.depth()).levels() {
-            self.walk_at(l, if l % 2 == 0 { weight } else { 1.0 - weight }, index, chord, part);
+    /// Along a part of a chord, at each level in use.
+    fn walk(&mut self, index: u32, chord: &Chord, part: &Filled) {
+        for (level, range) in part.levels.in_use() {
+            self.walk_at(level, range, index, chord, part);
         }
     }
 
-    /// At one level, where `even` is the weight of the even one in use.
-    fn walk_at(&mut self, l: u32, even: f32, index: u32, chord: &Chord, part: &Filled) {
-        let Some(level) = part.texel.levels().get(l as usize) else { return };
-        let [from, to] = part.at.map(|at| at * level.resolution() as f32);
-        let line = Line::new(from, to - from);
+    /// At level `l`, between two fractions of the part.
+    fn walk_at(&mut self, l: u32, range: [f32; 2], index: u32, chord: &Chord, part: &Filled) {
+        let parity = l as usize % 2;
+        let mut left = self.left[parity];
+        let Some(level) = part.texel.levels().get(l as usize).filter(|_| left >= self.least) else { return };
+        let scale = level.resolution() as f32;
+        let line = Line::new(scale * part.at[0], scale * (part.at[1] - part.at[0]));
         let [a, b] = chord.t;
         let [begin, end] = part.range;
         let (steps, before) = match part.tile {
-            None => (level.walk(from, to), IVec3::ZERO),
-            Some(tile) => (level.walk_alone(from, to), IVec2::from(tile.copy).extend(0) << l),
+            None => (level.walk_along(&line, range), IVec3::ZERO),
+            Some(tile) => (level.walk_alone(&line, range), IVec2::from(tile.copy).extend(0) << l),
         };
-        self.counts.walks += 1;
+        let run = &mut self.runs[parity];
+        let mut cells = 0;
         for Step { cell, voxel, enter, leave } in steps {
-            self.counts.cells += 1;
+            cells += 1;
             let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else {
                 continue;
             };
-            let range = range.map(|x| begin + (end - begin) * x);
+            let even = part.levels.even(0.5 * (range[0] + range[1]));
+            let range = [begin + (end - begin) * range[0], begin + (end - begin) * range[1]];
             let through = through(self.settings.opacity, depth);
             let key = VoxelKey { patch: self.patch, level: l as u8, cell: (cell + before).to_array() };
             let t = (a + (b - a) * f64::from(range[0])) as f32;
-            self.pieces.push(Piece { key, voxel, even, depth, through, t, chord: index, range });
-            self.blend.pass(l as u8, even, through);
-            if self.blend.left(l as u8) < self.settings.min_transmittance {
+            run.push(Piece { key, voxel, even, depth, through, t, chord: index, range });
+            left *= through;
+            if left < self.least {
                 break;
             }
         }
+        self.left[parity] = left;
+        self.counts.walks += 1;
+        self.counts.cells += cells;
     }
 }

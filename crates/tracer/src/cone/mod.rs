@@ -20,7 +20,7 @@ pub(crate) mod shade;
 pub(crate) mod shadow;
 mod stretch;
 
-use glam::Vec3;
+use std::hash::{Hash, Hasher};
 
 use path::Chord;
 
@@ -38,6 +38,14 @@ pub(crate) struct VoxelKey {
     pub cell: [i32; 3],
 }
 
+impl Hash for VoxelKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Self { patch, level, cell } = *self;
+        state.write_u64(u64::from(patch) << 32 | u64::from(level) << 24 ^ u64::from(cell[2] as u32));
+        state.write_u64(u64::from(cell[0] as u32) << 32 | u64::from(cell[1] as u32));
+    }
+}
+
 impl VoxelKey {
     /// The copy that it lies in.
     #[inline]
@@ -48,7 +56,8 @@ impl VoxelKey {
     /// The voxel in that copy.
     #[inline]
     pub fn within(&self) -> [i32; 3] {
-        self.cell.map(|c| c & ((1 << self.level) - 1))
+        let ([x, y, z], mask) = (self.cell, (1 << self.level) - 1);
+        [x & mask, y & mask, z & mask]
     }
 }
 
@@ -74,7 +83,10 @@ pub(crate) struct Piece {
 /// What a ray meets on its way, before anything hides anything.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Trail {
-    pub pieces: Vec<Piece>,
+    /// The pieces of the even levels and of the odd ones in the box that was gone through last, each in order of
+    /// distance.
+    pub runs: [Vec<Piece>; 2],
+    /// The chords of all boxes so far.
     pub chords: Vec<Chord>,
     /// What was done for all trails so far.
     pub counts: Counts,
@@ -82,18 +94,29 @@ pub(crate) struct Trail {
 
 impl Trail {
     pub fn clear(&mut self) {
-        self.pieces.clear();
+        self.runs.iter_mut().for_each(Vec::clear);
         self.chords.clear();
+    }
+
+    /// The pieces of both runs by distance; of two at the same one, the coarser first.
+    pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
+        let [mut even, mut odd] = [self.runs[0].as_slice(), self.runs[1].as_slice()];
+        std::iter::from_fn(move || {
+            let run = match (even.first(), odd.first()) {
+                (Some(a), Some(b)) if (b.t, b.key.level) < (a.t, a.key.level) => &mut odd,
+                (None, _) => &mut odd,
+                _ => &mut even,
+            };
+            let (first, rest) = run.split_first()?;
+            *run = rest;
+            Some(first)
+        })
     }
 
     /// Where the ray enters and leaves the matter of a piece: distances, in scene units.
     pub fn distances(&self, piece: &Piece) -> [f32; 2] {
-        self.chords[piece.chord as usize].distances(piece.range).map(|t| t as f32)
-    }
-
-    /// The same, in texel coordinates (s, t, w).
-    pub fn points(&self, piece: &Piece) -> [Vec3; 2] {
-        self.chords[piece.chord as usize].points(piece.range)
+        let [near, far] = self.chords[piece.chord as usize].distances(piece.range);
+        [near as f32, far as f32]
     }
 }
 
@@ -135,12 +158,6 @@ impl Blend {
         self.left[from] -= moved;
         self.left[1 - from] += moved;
         self.even = even;
-    }
-
-    /// What is left in the levels of this parity.
-    #[inline]
-    pub fn left(&self, level: u8) -> f32 {
-        self.left[usize::from(level % 2)]
     }
 
     /// How much has got through so far.

@@ -53,13 +53,13 @@ impl Chord {
     /// Distances at fractions of it, in scene units.
     pub fn distances(&self, range: [f32; 2]) -> [f64; 2] {
         let [a, b] = self.t;
-        range.map(|x| a + (b - a) * f64::from(x))
+        [a + (b - a) * f64::from(range[0]), a + (b - a) * f64::from(range[1])]
     }
 
     /// Texel coordinates at fractions of it.
     pub fn points(&self, range: [f32; 2]) -> [Vec3; 2] {
         let [a, b] = self.at;
-        range.map(|x| a.lerp(b, x))
+        [a.lerp(b, range[0]), a.lerp(b, range[1])]
     }
 }
 
@@ -67,7 +67,10 @@ impl LocalRay {
     /// The frame of the box whose corners are `map` (scene space), with the texel laid out by `lattice`.
     pub fn new(map: &pelage_geom::DTrilinear, lattice: Lattice, ray: &Ray) -> Self {
         let origin = map.corners[0];
-        let local = Trilinear { corners: map.corners.map(|c| (c - origin).as_vec3()) };
+        let mut local = Trilinear { corners: [Vec3::ZERO; 8] };
+        for (near, far) in local.corners.iter_mut().zip(&map.corners) {
+            *near = (far - origin).as_vec3();
+        }
         Self { map: local, origin, ray: *ray, direction: ray.direction.as_vec3(), lattice }
     }
 
@@ -81,9 +84,9 @@ impl LocalRay {
         self.direction
     }
 
-    /// Splits a passage into chords that leave the curve by at most `tolerance` (texel units), each at most
-    /// 1/`least` of the passage. Chords are appended to `out`, front to back.
-    pub fn chords(&self, passage: &BoxPassage, tolerance: f32, least: usize, out: &mut Vec<Chord>) {
+    /// Splits a passage into chords that leave the curve by at most `tolerance` (texel units). They are appended to
+    /// `out`, front to back.
+    pub fn chords(&self, passage: &BoxPassage, tolerance: f32, out: &mut Vec<Chord>) {
         let first = self.knot(passage.t[0], passage.u[0].as_vec3());
         let last = self.knot(passage.t[1], passage.u[1].as_vec3());
         let Some(bow) = self.bow(&first, &last) else {
@@ -91,7 +94,7 @@ impl LocalRay {
             out.push(chord(&first, &last));
             return;
         };
-        let count = chords_needed(bow, tolerance).clamp(least.max(1), MAX_CHORDS);
+        let count = chords_needed(bow, tolerance);
         let mut from = first;
         for i in 1..=count {
             let to = if i == count { last } else { self.between(&first, &last, i as f32 / count as f32) };
@@ -100,15 +103,11 @@ impl LocalRay {
         }
     }
 
-    /// The straight line from entry to exit, in `pieces` of the same length: the paper's *parcours linéaire*.
-    pub fn straight(&self, passage: &BoxPassage, pieces: usize, out: &mut Vec<Chord>) {
-        let [a, b] = passage.u.map(|u| to_texel(&self.lattice, u.as_vec3()));
-        let [start, end] = passage.t;
-        let pieces = pieces.clamp(1, MAX_CHORDS);
-        out.extend((0..pieces).map(|i| {
-            let ends = [i, i + 1].map(|i| i as f64 / pieces as f64);
-            Chord { t: ends.map(|x| start + (end - start) * x), at: ends.map(|x| a.lerp(b, x as f32)) }
-        }));
+    /// The straight line from entry to exit: the paper's *parcours linéaire*.
+    pub fn straight(&self, passage: &BoxPassage) -> Chord {
+        let [first, last] = passage.u;
+        let at = |u: DVec3| to_texel(&self.lattice, u.as_vec3());
+        Chord { t: passage.t, at: [at(first), at(last)] }
     }
 
     /// Halves the piece, at most [`MOST_HALVINGS`] times, while its own ends say that it bows more than the whole
@@ -182,7 +181,7 @@ fn chord(a: &Knot, b: &Knot) -> Chord {
 
 /// k chords bow k² times less than one.
 fn chords_needed(bow: f32, tolerance: f32) -> usize {
-    (bow / tolerance.max(f32::MIN_POSITIVE)).sqrt().ceil().min(MAX_CHORDS as f32) as usize
+    (bow / tolerance.max(f32::MIN_POSITIVE)).sqrt().ceil().clamp(1.0, MAX_CHORDS as f32) as usize
 }
 
 /// Texel coordinates (s, t, w) of box coordinates.
@@ -220,7 +219,7 @@ mod tests {
         let mut out = vec![];
         for passage in hexahedron.passages(ray, 0.0, f64::INFINITY).iter() {
             let passage = BoxPassage { patch: 0, t: passage.t, u: passage.u };
-            local.chords(&passage, tolerance, 1, &mut out);
+            local.chords(&passage, tolerance, &mut out);
         }
         out
     }

@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use pelage_texel::{Level, Scatterers, Surfel, Voxel};
 
-use super::composite::{SeenSurface, SeenVoxel, mean_visible};
+use super::composite::{SeenSurface, SeenVoxel};
 use super::path::to_box;
 use super::shadow::{Correlation, ShadowBuffers, ShadowCone};
 use crate::light::Incoming;
@@ -37,8 +37,7 @@ impl Shader {
         let scale = level.resolution() as f32;
 
         // The shaded point, and the map around it.
-        let at = seen.at[0].lerp(seen.at[1], mean_visible(seen.depth));
-        let u = to_box(&patch.lattice, at).as_dvec3();
+        let u = to_box(&patch.lattice, seen.at).as_dvec3();
         let point = hexahedron.map().point(u);
         let to_lattice = Mat3::from_cols(patch.lattice.u.extend(0.0), patch.lattice.v.extend(0.0), Vec3::Z);
         // Where copies differ, on to the texel of this one.
@@ -85,7 +84,7 @@ impl Shader {
                 let beyond = [openness, below];
                 let halves = match point {
                     Point::Surfel(i) => surfels[i as usize].sky(),
-                    Point::Lobe(i) => level.lobe(i).sky(),
+                    Point::Lobe(i) => level.lobe_sky(i),
                     Point::Scatterer(i) => scatterers.sky(i as usize),
                 };
                 (halves.into_iter().zip(beyond))

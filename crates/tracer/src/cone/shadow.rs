@@ -84,19 +84,18 @@ impl ShadowBuffers {
     /// The part that the coats let through, whatever opaque meshes do.
     pub fn through_coats(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
         let ray = Ray { origin: shadow.origin, direction: shadow.direction };
-        // A walk ends by depths that are not yet weighed by their correlation: it must go on for longer than what
-        // counts, which may be a quarter of them.
-        let correlated = shadow.correlation.q.is_finite();
-        let least = settings.min_transmittance.powi(if correlated { 4 } else { 1 });
-        let walk = Settings { min_transmittance: least, ..*settings };
-        let beam = Beam { ray: &ray, cone: &shadow.cone, settings: &walk };
+        let beam = Beam { ray: &ray, cone: &shadow.cone, settings };
         let mut blend = Blend::START;
         self.trail.counts.light_cones += 1;
         passages::collect(scene, &ray, shadow.start, shadow.end, &mut self.passages);
         for passage in &self.passages {
-            self.trail.clear();
-            march(scene, beam, passage, &mut self.trail);
-            for piece in &self.trail.pieces {
+            // A walk ends by depths that are not yet weighed by their correlation: it must go on for longer than what
+            // counts, which may be a quarter of them.
+            let correlated = shadow.correlation.factor(passage.t[0] as f32, passage.t[1] as f32) < 1.0;
+            let least = settings.min_transmittance.powi(if correlated { 4 } else { 1 });
+            self.trail.chords.clear();
+            march(scene, beam, passage, blend.transmittance(), least, &mut self.trail);
+            for piece in self.trail.pieces() {
                 let passed = passed(&self.trail, piece, settings, shadow.correlation);
                 blend.pass(piece.key.level, piece.even, passed);
             }

@@ -39,10 +39,11 @@ impl Iterator for Stretches {
     fn next(&mut self) -> Option<Stretch> {
         while self.at < 1.0 {
             // Where the chord would leave the copy in s, and in t.
-            let [s, t] = [0, 1].map(|axis| match self.delta[axis] {
+            let border = |axis: usize| match self.delta[axis] {
                 0.0 => f32::INFINITY,
                 d => ((self.copy[axis] + i32::from(d > 0.0)) as f32 - self.from[axis]) / d,
-            });
+            };
+            let (s, t) = (border(0), border(1));
             let (axis, leave) = if s <= t { (0, s) } else { (1, t) };
             let (copy, begin) = (self.copy.to_array(), self.at);
             // Never backwards, whatever rounding does.
