@@ -9,7 +9,7 @@ use pelage::output::{Aov, Tone};
 use pelage::scene_file::{CameraEntry, SceneFile, SkinEntry, TexelEntry};
 use pelage::skin::Folds;
 use pelage::staging::View;
-use pelage::tracer::{Lod, Opacity, Path as BoxPath, Rays};
+use pelage::tracer::{Lod, Opacity, Path as BoxPath, Quality, Rays};
 use pelage::{Error, Field, FieldError};
 
 use crate::run_args::{AllowArgs, RunArgs};
@@ -94,7 +94,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = whole, allow_hyphen_values = true, help_heading = "Picture")]
     spp: Option<u32>,
 
-    /// Rays a pixel: 1, 4 or 16 [default: 4]
+    /// How much time the picture is worth: draft, normal or high [default: normal]
+    #[arg(long, value_parser = choice::<Quality>, help_heading = "Picture")]
+    quality: Option<Quality>,
+
+    /// Rays a pixel: 1, 4 or 16 [default: by the quality: 1, 4, 16]
     #[arg(long, value_parser = choice::<Rays>, help_heading = "Picture")]
     rays: Option<Rays>,
 
@@ -209,7 +213,8 @@ impl RenderArgs {
         }
         let render = &mut scene.render;
         set(&mut render.size, self.size);
-        set(&mut render.rays, self.rays);
+        set(&mut render.quality, self.quality);
+        render.rays = self.rays.or(render.rays.filter(|_| self.quality.is_none()));
         set(&mut render.path, self.path);
         set(&mut render.lod, self.lod);
         set(&mut render.opacity, self.opacity);
@@ -238,6 +243,7 @@ impl RenderArgs {
     /// Refuses flags that mean nothing to the reference renderer.
     fn only_for_cones(&self) -> Result<(), FieldError> {
         let flags = [
+            ("--quality", self.quality.is_some()),
             ("--rays", self.rays.is_some()),
             ("--path", self.path.is_some()),
             ("--lod", self.lod.is_some()),
@@ -372,7 +378,8 @@ fn name(text: &str) -> Result<String, String> {
     if text.is_empty() { Err("a name has at least one letter".into()) } else { Ok(text.into()) }
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+/// Width and height in pixels, as in `1280x720`.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let parse = |side: &str| side.parse::<u32>().ok().filter(|&n| n > 0);
     text.split_once('x')
         .and_then(|(width, height)| Some([parse(width)?, parse(height)?]))

@@ -202,7 +202,7 @@ fn scene(args: &ValidateArgs, path: &Path) -> Result<SceneFile, Failure> {
             set_resolution(skin, resolution, path).map_err(pelage::Error::from)?;
         }
     }
-    scene.render.rays = args.rays.unwrap_or(scene.render.rays);
+    scene.render.rays = args.rays.or(scene.render.rays);
     scene.render.lod = args.lod.unwrap_or(scene.render.lod);
     scene.validate().map_err(pelage::Error::from)?;
     Ok(scene)

@@ -161,8 +161,7 @@ struct Seen {
 
 impl Seen {
     #[inline]
-    fn new(map: &DTrilinear, ray: &Ray) -> Self {
-        let frame = RayFrame::new(ray);
+    fn new(map: &DTrilinear, frame: &RayFrame) -> Self {
         let mut seen = Self { corners: [DVec3::ZERO; 8], left: 0, right: 0, below: 0 };
         for (i, (place, corner)) in seen.corners.iter_mut().zip(&map.corners).enumerate() {
             *place = frame.project(*corner);
@@ -256,8 +255,14 @@ impl Hexahedron {
     /// share a face give the same bits for the distance of a crossing there. A box without volume has passages as
     /// long as rounding makes them, or none; one with corners that are not finite has none.
     pub fn passages(&self, ray: &Ray, t_min: f64, t_max: f64) -> Passages {
+        self.passages_in(&RayFrame::new(ray), t_min, t_max)
+    }
+
+    /// As [`passages`](Self::passages), for a ray that is asked of many boxes.
+    pub fn passages_in(&self, frame: &RayFrame, t_min: f64, t_max: f64) -> Passages {
         let mut passages = Passages::NONE;
-        let seen = Seen::new(&self.map, ray);
+        let ray = frame.ray();
+        let seen = Seen::new(&self.map, frame);
         let all = if self.prism { PRISM_CORNERS } else { CUBOID_CORNERS };
         if seen.aside(all) || !seen.is_between(all, t_min, t_max) {
             return passages;

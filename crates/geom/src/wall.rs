@@ -70,8 +70,8 @@ impl Deref for WallHits {
 /// that all faces that share a corner see it at the same place to the last bit.
 #[derive(Clone, Copy, Debug)]
 pub struct RayFrame {
-    origin: DVec3,
-    axes: [DVec3; 3],
+    ray: Ray,
+    across: [DVec3; 2],
 }
 
 impl RayFrame {
@@ -79,14 +79,20 @@ impl RayFrame {
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let (x, y) = ray.direction.any_orthonormal_pair();
-        Self { origin: ray.origin, axes: [x, y, ray.direction] }
+        Self { ray: *ray, across: [x, y] }
+    }
+
+    /// The ray.
+    #[inline]
+    pub fn ray(&self) -> &Ray {
+        &self.ray
     }
 
     /// Where the scene point `p` lies: x and y across the ray, z along it.
     #[inline]
     pub fn project(&self, p: DVec3) -> DVec3 {
-        let p = p - self.origin;
-        DVec3::new(self.axes[0].dot(p), self.axes[1].dot(p), self.axes[2].dot(p))
+        let p = p - self.ray.origin;
+        DVec3::new(self.across[0].dot(p), self.across[1].dot(p), self.ray.direction.dot(p))
     }
 }
 

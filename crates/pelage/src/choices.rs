@@ -2,7 +2,7 @@
 
 use pelage_geom::Footprint;
 use pelage_skin::{Folds, Layout};
-use pelage_tracer::{Lod, Opacity, Path, Rays};
+use pelage_tracer::{Lod, Opacity, Path, Quality, Rays};
 use serde::{Deserializer, de};
 
 use crate::bake::Fit;
@@ -69,6 +69,8 @@ macro_rules! words {
 
 words!(Up, "y or z", "y" => Up::Y, "z" => Up::Z);
 words!(Fit, "cube, floor or keep", "cube" => Fit::Cube, "floor" => Fit::Floor, "keep" => Fit::Keep);
+words!(Quality, "draft, normal or high",
+    "draft" => Quality::Draft, "normal" => Quality::Normal, "high" => Quality::High);
 words!(Rays, "1, 4 or 16", "1" => Rays::One, "4" => Rays::Four, "16" => Rays::Sixteen);
 words!(Path, "curved or straight", "curved" => Path::Curved, "straight" => Path::Straight);
 words!(Opacity, "exponential or linear", "exponential" => Opacity::Exponential, "linear" => Opacity::Linear);

@@ -12,7 +12,9 @@
 //! with the masks M in the directions of texel space. An affine map keeps what blocks what, so bent boxes need no other
 //! masks; only the cosine to the light is taken in the scene.
 
-use glam::Vec3;
+use std::sync::LazyLock;
+
+use glam::{Vec3, Vec4};
 
 use crate::sample::Sample;
 
@@ -102,8 +104,14 @@ impl Surfel {
     /// What nothing near blocks of its cosine-weighted hemisphere, above and below the surface that the texel stands on:
     /// the part of the hemisphere, and the sum of its directions (texel space), weighted alike.
     pub fn sky(&self) -> [(f32, Vec3); 2] {
-        let open = self.mask();
-        sky(self.normal(), |[column, row]| (open >> (Self::SIDE * row + column) & 1) as f32)
+        let (normal, open) = (self.normal(), self.mask());
+        let [x, y] = axes(normal);
+        let below = cells_below(Vec3::new(x.z, y.z, normal.z));
+        let half = |cells: u64| {
+            let [a, b, along, open] = (moments(cells) / WHOLE).to_array();
+            (open, a * x + b * y + along * normal)
+        };
+        [half(open & !below), half(open & below)]
     }
 
     /// Whether nothing near blocks it towards the unit vector `d` of texel space; `false` for those behind it.
@@ -141,11 +149,54 @@ impl Surfel {
     }
 }
 
+/// Cells inside the disk.
+const WHOLE: f32 = 52.0;
+
+/// The directions through the middles of every four cells that follow each other: along the axes of the disk and along
+/// the normal; zero outside the disk.
+static CELLS: LazyLock<[[Vec4; 3]; 16]> = LazyLock::new(|| {
+    let direction = |cell: usize| {
+        let (a, b) = (middle(cell % Surfel::SIDE), middle(cell / Surfel::SIDE));
+        let rest = 1.0 - a * a - b * b;
+        if rest < 0.0 { Vec3::ZERO } else { Vec3::new(a, b, rest.sqrt()) }
+    };
+    std::array::from_fn(|four| {
+        std::array::from_fn(|axis| Vec4::from_array(std::array::from_fn(|i| direction(4 * four + i)[axis])))
+    })
+});
+
+/// Of every four cells, and by which of them are taken: the sum of their directions, and how many lie in the disk.
+static MOMENTS: LazyLock<[[Vec4; 16]; 16]> = LazyLock::new(|| {
+    let of = |four: usize, i: usize| {
+        let [a, b, along] = CELLS[four].map(|axis| axis[i]);
+        Vec4::new(a, b, along, if along > 0.0 { 1.0 } else { 0.0 })
+    };
+    let sum = |four: usize, taken: usize| (0..4).filter(|i| taken >> i & 1 != 0).map(|i| of(four, i)).sum();
+    std::array::from_fn(|four| std::array::from_fn(|taken| sum(four, taken)))
+});
+
+/// The sum of the directions of some cells, and how many of them lie in the disk.
+fn moments(cells: u64) -> Vec4 {
+    let mut sum = Vec4::ZERO;
+    for (four, sums) in MOMENTS.iter().enumerate() {
+        sum += sums[(cells >> (4 * four)) as usize & 15];
+    }
+    sum
+}
+
+/// The cells whose directions go down, where `up` has these components along the axes of the disk and the normal.
+fn cells_below(up: Vec3) -> u64 {
+    let mut below = 0;
+    for (four, [a, b, along]) in CELLS.iter().enumerate() {
+        let height = *a * up.x + *b * up.y + *along * up.z;
+        below |= u64::from(height.cmplt(Vec4::ZERO).bitmask()) << (4 * four);
+    }
+    below
+}
+
 /// [`Surfel::sky`] of a surface of which the part `open` is open through each cell, by column and row.
 pub(crate) fn sky(normal: Vec3, open: impl Fn([usize; 2]) -> f32) -> [(f32, Vec3); 2] {
     const SIDE: usize = Surfel::SIDE;
-    /// Cells inside the disk.
-    const WHOLE: f32 = 52.0;
     let [x, y] = axes(normal);
     // Column by column in lanes: the part open below and in all, and its moments along x, y and the normal.
     let [mut below, mut all] = [[[0.0_f32; SIDE]; 4]; 2];
@@ -285,6 +336,13 @@ mod tests {
             (open - 1.0).abs() < 1e-6 && (sum - Vec3::Z * 2.0 / 3.0).length() < 0.02 && below == 0.0,
             "{open} {sum}"
         );
+        // Counted by fours as cell by cell.
+        let surfel =
+            Surfel::new(Vec3::new(0.6, -0.3, 0.5).normalize(), Vec3::ONE, 1.0, 0x3c7e_f0ff_81c3_6699);
+        let each = |[column, row]: [usize; 2]| (surfel.mask() >> (Surfel::SIDE * row + column) & 1) as f32;
+        for ((a, v), (b, w)) in surfel.sky().into_iter().zip(sky(surfel.normal(), each)) {
+            assert!((a - b).abs() < 1e-6 && (v - w).length() < 1e-6);
+        }
         let halves = Surfel::new(Vec3::X, Vec3::ONE, 1.0, u64::MAX).sky();
         for ((open, sum), side) in halves.into_iter().zip([1.0, -1.0]) {
             assert!((open - 0.5).abs() < 0.02 && (side * sum.z - 0.212).abs() < 0.02, "{open} {sum}");

@@ -110,7 +110,7 @@ impl<'a> Walk<'a> {
     /// Moves on to the cells `next`, at the parameter `at`.
     #[inline]
     fn enter(&mut self, next: Vec3A, at: f32) {
-        self.t = self.t.max(at);
+        self.t = if at > self.t { at } else { self.t };
         self.cell = next;
         self.exit = (next + self.ahead - self.line.from) * self.line.inverse;
         if (next.cmplt(self.low) | next.cmpgt(self.high)).any() {

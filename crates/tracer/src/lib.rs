@@ -27,5 +27,5 @@ pub use film::{Film, Pixel, Rect};
 pub use light::{Environment, Incoming, Light};
 pub use render::{MAX_PIXELS, Progress, RenderError, render, render_counted};
 pub use scene::{Coat, Description, Scene, SceneError};
-pub use settings::{Lod, Opacity, Path, Rays, Settings};
+pub use settings::{Lod, Opacity, Path, Quality, Rays, Settings};
 pub use variety::Variety;

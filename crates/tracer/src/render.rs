@@ -173,6 +173,7 @@ fn pixel(
     shader: &mut Shader,
 ) -> Pixel {
     view.clear();
+    shader.clear();
     let corner = Vec2::new(x as f32, y as f32);
     let offsets = offsets(settings.rays);
     let share = 1.0 / offsets.len() as f32;

@@ -267,8 +267,9 @@ impl Scene {
 
     /// The coat and the patch of a box.
     pub(crate) fn patch(&self, patch: u32) -> (&Coat, &Patch) {
-        let coat = &self.coats[self.coat_index(patch)];
-        (coat, &coat.skin.patches[self.patch_index(patch)])
+        let index = self.coat_index(patch);
+        let coat = &self.coats[index];
+        (coat, &coat.skin.patches[(patch - self.first_box[index]) as usize])
     }
 
     /// The bent box of a patch.

@@ -62,6 +62,19 @@ impl Rays {
     }
 }
 
+/// How much time a picture is worth. What each costs and how far it is from the best is told in
+/// docs/notes/performance.md.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Quality {
+    /// To place lights and cameras: one ray a pixel, four of its voxels lit.
+    Draft,
+    /// To look at (the default): four rays, eight voxels.
+    #[default]
+    Normal,
+    /// To keep: sixteen rays, sixteen voxels.
+    High,
+}
+
 /// Everything that a user may choose about a rendering. The defaults are what looks right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -90,20 +103,32 @@ pub struct Settings {
     pub shadows: bool,
 }
 
-impl Default for Settings {
-    fn default() -> Self {
+impl Settings {
+    /// The defaults, at a quality.
+    pub fn of(quality: Quality) -> Self {
+        let (rays, lit_voxels) = match quality {
+            Quality::Draft => (Rays::One, 4),
+            Quality::Normal => (Rays::Four, 8),
+            Quality::High => (Rays::Sixteen, 16),
+        };
         Self {
             size: [1280, 720],
             crop: None,
-            rays: Rays::Four,
+            rays,
             path: Path::Curved,
             lod: Lod::default(),
             opacity: Opacity::Exponential,
             path_tolerance: 0.05,
             min_transmittance: 1.0 / 512.0,
             normals: 8,
-            lit_voxels: 8,
+            lit_voxels,
             shadows: true,
         }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::of(Quality::Normal)
     }
 }

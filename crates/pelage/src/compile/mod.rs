@@ -143,15 +143,16 @@ impl Loaded {
         let bounds = scene.bounds().unwrap_or([Vec3::ZERO; 2]);
         let camera = camera_of(&file, &imported.cameras, bounds)?;
         let render = &file.render;
+        let quality = Settings::of(render.quality);
         let settings = Settings {
             size: render.size,
             crop: render.crop.map(|[x0, x1, y0, y1]| Rect { x: x0, y: y0, width: x1 - x0, height: y1 - y0 }),
-            rays: render.rays,
+            rays: render.rays.unwrap_or(quality.rays),
             path: render.path,
             lod: render.lod,
             opacity: render.opacity,
             shadows: render.shadows,
-            ..Settings::default()
+            ..quality
         };
         let reference = (render.method == Method::Reference).then(|| {
             let Settings { size, crop, shadows, .. } = settings;

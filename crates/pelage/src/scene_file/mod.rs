@@ -14,7 +14,7 @@ mod validate;
 use std::path::{Path, PathBuf};
 
 use pelage_skin::{Folds, Layout};
-use pelage_tracer::{Lod, Opacity, Rays};
+use pelage_tracer::{Lod, Opacity, Quality, Rays};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, de};
 
@@ -268,10 +268,14 @@ pub struct RenderEntry {
     /// Samples a pixel of the reference method; by default as many as [`ReferenceSettings`](pelage_tracer::reference::ReferenceSettings) has.
     #[schemars(range(min = 1, max = 65536))]
     pub spp: Option<u32>,
-    /// Rays a pixel.
+    /// How much time the picture is worth.
     #[serde(deserialize_with = "choices::deserialize")]
+    #[schemars(schema_with = "schema::choice::<Quality>")]
+    pub quality: Quality,
+    /// Rays a pixel; by default as many as the quality has.
+    #[serde(deserialize_with = "choices::deserialize_some")]
     #[schemars(schema_with = "schema::choice::<Rays>")]
-    pub rays: Rays,
+    pub rays: Option<Rays>,
     /// How cones go through bent boxes.
     #[serde(deserialize_with = "choices::deserialize")]
     #[schemars(schema_with = "schema::choice::<pelage_tracer::Path>")]
@@ -305,7 +309,8 @@ impl Default for RenderEntry {
             crop: None,
             method: Method::default(),
             spp: None,
-            rays: settings.rays,
+            quality: Quality::default(),
+            rays: None,
             path: settings.path,
             lod: settings.lod,
             opacity: settings.opacity,

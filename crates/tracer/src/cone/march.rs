@@ -35,8 +35,8 @@ pub(crate) fn march(
     let texels = &coat.texels;
     let local = LocalRay::new(scene.hexahedron(passage.patch).map(), patch.lattice, ray);
 
-    let [first, last] = passage.u;
-    let jacobians = [local.texel_jacobian(first.as_vec3()), local.texel_jacobian(last.as_vec3())];
+    let ends = [local.end(passage, 0), local.end(passage, 1)];
+    let jacobians = [local.texel_jacobian(&ends[0]), local.texel_jacobian(&ends[1])];
     // From end to end, for a texel of this height.
     let levels_of = |height: f32, depth: u32| {
         let end = |end: usize| {
@@ -53,9 +53,9 @@ pub(crate) fn march(
     match settings.path {
         Path::Curved => {
             let tolerance = settings.path_tolerance / (1_u32 << levels.finest()) as f32;
-            local.chords(passage, tolerance, chords);
+            local.chords(&ends, tolerance, chords);
         }
-        Path::Straight => chords.push(local.straight(passage)),
+        Path::Straight => chords.push(local.straight(&ends)),
     }
     counts.passages += 1;
     counts.chords += (chords.len() - first) as u64;
@@ -135,6 +135,9 @@ impl Walker<'_> {
 
     /// Along a part of a chord, at each level in use.
     fn walk(&mut self, index: u32, chord: &Chord, part: &Filled) {
+        if let Some(level) = part.levels.only() {
+            return self.walk_at(level, [0.0, 1.0], index, chord, part);
+        }
         for (level, range) in part.levels.in_use() {
             self.walk_at(level, range, index, chord, part);
         }

@@ -1,7 +1,7 @@
 //! Which boxes a ray goes through, and from where to where. [seed §4.1]
 
 use glam::DVec3;
-use pelage_geom::Ray;
+use pelage_geom::{Ray, RayFrame};
 
 use crate::Scene;
 
@@ -19,8 +19,9 @@ pub(crate) struct BoxPassage {
 /// Collects the passages of `ray` through all boxes between `t_min` and `t_max`, in order of entry.
 pub(crate) fn collect(scene: &Scene, ray: &Ray, t_min: f64, t_max: f64, out: &mut Vec<BoxPassage>) {
     out.clear();
+    let frame = RayFrame::new(ray);
     scene.boxes.candidates(ray, t_max, |patch| {
-        for passage in scene.hexahedron(patch).passages(ray, t_min, t_max).iter() {
+        for passage in scene.hexahedron(patch).passages_in(&frame, t_min, t_max).iter() {
             out.push(BoxPassage { patch, t: passage.t, u: passage.u });
         }
     });

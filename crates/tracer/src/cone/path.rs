@@ -23,6 +23,15 @@ pub(crate) struct LocalRay {
     ray: Ray,
     direction: Vec3,
     lattice: Lattice,
+    /// From texel steps to box steps.
+    inverse_lattice: Mat3,
+}
+
+/// Where a ray enters or leaves a box.
+pub(crate) struct End {
+    knot: Knot,
+    /// From box steps to scene steps.
+    jacobian: Mat3,
 }
 
 /// A point of the curve.
@@ -71,12 +80,20 @@ impl LocalRay {
         for (near, far) in local.corners.iter_mut().zip(&map.corners) {
             *near = (far - origin).as_vec3();
         }
-        Self { map: local, origin, ray: *ray, direction: ray.direction.as_vec3(), lattice }
+        let direction = ray.direction.as_vec3();
+        Self { map: local, origin, ray: *ray, direction, lattice, inverse_lattice: lattice_inverse(&lattice) }
     }
 
-    /// The Jacobian from texel steps to scene steps at box coordinates `u`.
-    pub fn texel_jacobian(&self, u: Vec3) -> Mat3 {
-        self.map.jacobian(u) * lattice_inverse(&self.lattice)
+    /// Where a passage begins (0) or ends (1).
+    pub fn end(&self, passage: &BoxPassage, which: usize) -> End {
+        let u = passage.u[which].as_vec3();
+        let jacobian = self.map.jacobian(u);
+        End { knot: self.knot(passage.t[which], u, jacobian.inverse()), jacobian }
+    }
+
+    /// The Jacobian from texel steps to scene steps.
+    pub fn texel_jacobian(&self, end: &End) -> Mat3 {
+        end.jacobian * self.inverse_lattice
     }
 
     /// Direction of the ray, scene space.
@@ -86,9 +103,8 @@ impl LocalRay {
 
     /// Splits a passage into chords that leave the curve by at most `tolerance` (texel units). They are appended to
     /// `out`, front to back.
-    pub fn chords(&self, passage: &BoxPassage, tolerance: f32, out: &mut Vec<Chord>) {
-        let first = self.knot(passage.t[0], passage.u[0].as_vec3());
-        let last = self.knot(passage.t[1], passage.u[1].as_vec3());
+    pub fn chords(&self, ends: &[End; 2], tolerance: f32, out: &mut Vec<Chord>) {
+        let [first, last] = [ends[0].knot, ends[1].knot];
         let Some(bow) = self.bow(&first, &last) else {
             // A singular end has no velocity: the chord is all that can be known.
             out.push(chord(&first, &last));
@@ -104,10 +120,8 @@ impl LocalRay {
     }
 
     /// The straight line from entry to exit: the paper's *parcours linéaire*.
-    pub fn straight(&self, passage: &BoxPassage) -> Chord {
-        let [first, last] = passage.u;
-        let at = |u: DVec3| to_texel(&self.lattice, u.as_vec3());
-        Chord { t: passage.t, at: [at(first), at(last)] }
+    pub fn straight(&self, [first, last]: &[End; 2]) -> Chord {
+        chord(&first.knot, &last.knot)
     }
 
     /// Halves the piece, at most [`MOST_HALVINGS`] times, while its own ends say that it bows more than the whole
@@ -145,8 +159,10 @@ impl LocalRay {
         let guess = a.u.lerp(b.u, z) + x * y * (y * va - x * vb);
         let target = (self.ray.origin - self.origin + t * self.ray.direction).as_vec3();
         let mut u = if guess.is_finite() { guess } else { a.u.lerp(b.u, x) };
+        let mut inverse = Mat3::ZERO;
         for _ in 0..3 {
-            let step = self.map.jacobian(u).inverse() * (target - self.map.point(u));
+            inverse = self.map.jacobian(u).inverse();
+            let step = inverse * (target - self.map.point(u));
             if !step.is_finite() {
                 break;
             }
@@ -155,12 +171,12 @@ impl LocalRay {
                 break;
             }
         }
-        self.knot(t, u.clamp(Vec3::ZERO, Vec3::ONE))
+        // The inverse is that of a step before: near enough for a velocity, which only predicts.
+        self.knot(t, u.clamp(Vec3::ZERO, Vec3::ONE), inverse)
     }
 
-    fn knot(&self, t: f64, u: Vec3) -> Knot {
-        let velocity = self.map.jacobian(u).inverse() * self.direction;
-        Knot { t, at: to_texel(&self.lattice, u), u, velocity }
+    fn knot(&self, t: f64, u: Vec3, inverse: Mat3) -> Knot {
+        Knot { t, at: to_texel(&self.lattice, u), u, velocity: inverse * self.direction }
     }
 
     /// How far the chord between two knots leaves the curve at most, in texel units: an eighth of the largest
@@ -219,7 +235,7 @@ mod tests {
         let mut out = vec![];
         for passage in hexahedron.passages(ray, 0.0, f64::INFINITY).iter() {
             let passage = BoxPassage { patch: 0, t: passage.t, u: passage.u };
-            local.chords(&passage, tolerance, &mut out);
+            local.chords(&[local.end(&passage, 0), local.end(&passage, 1)], tolerance, &mut out);
         }
         out
     }

@@ -19,12 +19,19 @@ pub(crate) struct Shader {
     shadows: ShadowBuffers,
     surfels: Vec<Surfel>,
     visible: Vec<Visible>,
+    /// Of each box that has been lit in this pixel, what of the light from below reaches it.
+    below: Vec<(u32, f32)>,
 }
 
 impl Shader {
     /// What was done since this was asked last.
     pub fn take_counts(&mut self) -> Counts {
         self.shadows.take_counts()
+    }
+
+    /// Begins another pixel.
+    pub fn clear(&mut self) {
+        self.below.clear();
     }
 
     /// The radiance of a voxel's visible matter towards the eye.
@@ -73,7 +80,16 @@ impl Shader {
             // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
             let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
             let down = (facing.normalize_or_zero() - jacobian.z_axis.normalize_or_zero()).normalize_or_zero();
-            self.light_below(scene, settings, point, down, jacobian.determinant().abs().cbrt() / scale)
+            let width = jacobian.determinant().abs().cbrt() / scale;
+            // It is a small part of all light, and much the same for all that a pixel sees of a box.
+            match self.below.iter().find(|(patch, _)| *patch == seen.key.patch) {
+                Some((_, below)) => *below,
+                None => {
+                    let below = self.light_below(scene, settings, point, down, width);
+                    self.below.push((seen.key.patch, below));
+                    below
+                }
+            }
         } else {
             0.0
         };
@@ -380,6 +396,9 @@ fn correlation(inverse: &Mat3, view: Vec3, to_light: Vec3, apart: f32) -> Correl
 
 /// The colour that was painted on the skin below a voxel, and that of the surface there, where the coat wears it.
 fn surface_colour(scene: &Scene, coat: &Coat, seen: &SeenVoxel, u: Vec3, edge: f32) -> Vec3 {
+    if coat.skin.colors.is_none() && !coat.wears_material {
+        return Vec3::ONE;
+    }
     let index = scene.patch_index(seen.key.patch);
     let painted = coat.skin.color(index, [u.x, u.y]);
     let patch = &coat.skin.patches[index];
