@@ -4,8 +4,9 @@
 //! coarse   (R/8)³ × u32    x fastest      EMPTY | k   the aligned cube of 8·2^k cells around it is empty
 //!                                         b           brick b
 //! bricks   b: words [u64; 8]              one bit a cell; a word is a 4³ block, a byte of it a 2³ block
-//!             first [u32; 8]              voxels before each word
-//! voxel of a cell = first[word] + popcount(the word's bits below the cell's)
+//!             ranks 7 × 9 bits            voxels before each word but the first, within the brick [Vigna08]
+//!             first u32                   voxels before the brick
+//! voxel of a cell = first + rank of the word + popcount(the word's bits below the cell's)
 //! ```
 //!
 //! Cells stand in Morton order (x lowest) within bricks, bricks in Morton order within the level: voxels are
@@ -48,8 +49,34 @@ pub(crate) fn demorton(code: u32) -> [u32; 3] {
 pub(crate) struct Brick {
     /// Occupancy, a word a 4³ block.
     pub(crate) words: [u64; 8],
-    /// How many voxels stand before each word.
-    pub(crate) first: [u32; 8],
+    /// How many of its voxels stand before each word: 9 bits a word from the second on, up from the lowest.
+    ranks: u64,
+    /// How many voxels stand before it.
+    first: u32,
+}
+
+impl Brick {
+    /// With `first` voxels before it.
+    fn new(words: [u64; 8], first: u32) -> Self {
+        let (mut ranks, mut before) = (0, 0);
+        for (i, word) in words[..7].iter().enumerate() {
+            before += u64::from(word.count_ones());
+            ranks |= before << (9 * i);
+        }
+        Self { words, ranks, first }
+    }
+
+    /// How many of its cells are occupied.
+    fn len(&self) -> u32 {
+        self.words.iter().map(|word| word.count_ones()).sum()
+    }
+
+    /// How many voxels stand before a word, below 8.
+    #[inline]
+    fn before(&self, word: usize) -> u32 {
+        // For the first word, the highest bit: no rank reaches it.
+        self.first + (self.ranks >> (9 * (word as u32 + 7 & 7)) & 511) as u32
+    }
 }
 
 /// Where a cell stands: what the walk needs to know next.
@@ -91,12 +118,9 @@ impl Bricks {
         for (code, words) in occupied {
             let [x, y, z] = demorton(code).map(|v| v as usize);
             coarse[x + side * (y + side * z)] = bricks.len() as u32;
-            let first = words.map(|word| {
-                let first = len;
-                len += word.count_ones();
-                first
-            });
-            bricks.push(Brick { words, first });
+            let brick = Brick::new(words, len);
+            len += brick.len();
+            bricks.push(brick);
         }
         grow_empty_cubes(&mut coarse, side);
         Self { resolution, len, coarse, bricks }
@@ -163,7 +187,16 @@ impl Bricks {
         }
         let brick = &self.bricks[entry as usize];
         let word = (cell.x >> 2 & 1 | (cell.y >> 2 & 1) << 1 | (cell.z >> 2 & 1) << 2) as usize;
-        Place::Block(brick.words[word], brick.first[word])
+        Place::Block(brick.words[word], brick.before(word))
+    }
+
+    /// The Morton codes of the parents of the occupied cells, ascending.
+    pub(crate) fn parents(&self) -> impl Iterator<Item = u32> + '_ {
+        // A byte of a word is a block of 2³ cells.
+        self.occupied().flat_map(|(code, words)| {
+            let blocks = words.into_iter().flat_map(u64::to_le_bytes);
+            (0..).zip(blocks).filter(|&(_, block)| block != 0).map(move |(i, _)| code << 6 | i)
+        })
     }
 
     /// The occupied cells, in the order of their voxels.
@@ -197,37 +230,29 @@ impl Bricks {
             return Some("the coarse grid has not the level's size");
         }
         let mut seen = vec![false; self.bricks.len()];
-        for (at, &entry) in self.coarse.iter().enumerate() {
+        for &entry in &self.coarse {
             if entry & EMPTY == 0 {
                 match seen.get_mut(entry as usize) {
                     Some(seen) if !*seen => *seen = true,
                     _ => return Some("a brick is missing or named twice"),
                 }
-                continue;
             }
-            let size = 1_usize.checked_shl(entry & !EMPTY).unwrap_or(usize::MAX);
-            if size > side {
-                return Some("an empty cube is larger than the level");
-            }
-            let low = [at % side, at / side % side, at / side / side].map(|v| v / size * size);
-            let cube = (0..size * size * size).map(|i| [i % size, i / size % size, i / size / size]);
-            let mut entries =
-                cube.map(|c| self.coarse[low[0] + c[0] + side * (low[1] + c[1] + side * (low[2] + c[2]))]);
-            if entries.any(|other| other & EMPTY == 0) {
-                return Some("an empty cube holds a brick");
-            }
+        }
+        let mut grown: Vec<u32> =
+            self.coarse.iter().map(|&entry| if entry & EMPTY == 0 { entry } else { EMPTY }).collect();
+        grow_empty_cubes(&mut grown, side);
+        if grown != self.coarse {
+            return Some("an empty cube is not the largest there is");
         }
         if seen.contains(&false) {
             return Some("a brick stands nowhere");
         }
         let mut voxels = 0;
         for brick in &self.bricks {
-            for (word, first) in brick.words.iter().zip(brick.first) {
-                if first != voxels {
-                    return Some("voxels are miscounted");
-                }
-                voxels += word.count_ones();
+            if *brick != Brick::new(brick.words, voxels) {
+                return Some("voxels are miscounted");
             }
+            voxels += brick.len();
         }
         if voxels != self.len {
             return Some("voxels are miscounted");
@@ -314,7 +339,7 @@ mod tests {
     fn a_broken_rank_is_found() {
         let mut bricks = Bricks::new(16, &[3, 700]);
         assert_eq!(bricks.fault(), None);
-        bricks.bricks[1].first[7] = 9;
+        bricks.bricks[1].ranks |= 1 << 9;
         assert_eq!(bricks.fault(), Some("voxels are miscounted"));
     }
 
@@ -332,6 +357,8 @@ mod tests {
             prop_assert_eq!(bricks.fault(), None);
             let cells: Vec<u32> = bricks.cells().map(morton).collect();
             prop_assert_eq!(&cells, &codes);
+            let parents: std::collections::BTreeSet<u32> = codes.iter().map(|code| code >> 3).collect();
+            prop_assert!(bricks.parents().eq(parents));
             for (voxel, &code) in codes.iter().enumerate() {
                 let cell = demorton(code).map(|v| v as i32);
                 prop_assert_eq!(bricks.find(IVec3::from_array(cell)), Some(voxel as u32));

@@ -17,6 +17,7 @@ use crate::dark::{dark_sides, normal_of, point_of};
 use crate::lobe::{self, Lobes};
 use crate::random::Random;
 use crate::region::Parts;
+use crate::sample::snapped_normal;
 use crate::surfel::{Surfel, Surfels, direction};
 use crate::surroundings::Surroundings;
 use crate::voxelise::{Cells, Facet};
@@ -128,6 +129,7 @@ fn choose(
             let mut found = found(range);
             let random = &mut Random::new((level as u64) << 32 | i as u64, 0x50f3);
             thin_out(&mut found, most_surfels(level), random);
+            merge_alike(&mut found);
             let largest = found.iter().fold(f32::MIN_POSITIVE, |largest, found| found.weight.max(largest));
             found.iter().map(|f| Surfel::new(f.normal, f.color, f.weight / largest, f.open)).collect()
         });
@@ -284,7 +286,7 @@ impl Content<'_> {
             }
             let Some(normal) = normal_of(triangles[id as usize], side) else { continue };
             let weight = if dark { 4.0 * weight } else { weight };
-            let normal = crate::packed::snapped_normal(normal);
+            let normal = snapped_normal(normal);
             tried.push(Tried { facet, at, normal, color: self.facets[facet].color, weight });
         }
     }
@@ -348,6 +350,27 @@ impl Content<'_> {
         }
         points
     }
+}
+
+/// Of those that face alike (20°) and are open to alike, the heaviest stands for all.
+fn merge_alike(found: &mut Vec<Found>) {
+    const COSINE: f32 = 0.94;
+    /// Cells of the mask in which they may differ: three squares of four.
+    const FEW: u32 = 12;
+    found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    let mut kept: Vec<Found> = Vec::with_capacity(found.len());
+    for one in found.drain(..) {
+        let like =
+            |f: &&mut Found| f.normal.dot(one.normal) > COSINE && (f.open ^ one.open).count_ones() <= FEW;
+        match kept.iter_mut().find(like) {
+            Some(f) => {
+                f.weight += one.weight;
+                f.color = f.color.lerp(one.color, one.weight / f.weight);
+            }
+            None => kept.push(one),
+        }
+    }
+    *found = kept;
 }
 
 /// Keeps at most `most`, those seen from more directions rather, each weighted for those it stands for.

@@ -37,6 +37,7 @@ mod procedure;
 mod random;
 mod raster;
 mod region;
+mod sample;
 mod scatterer;
 mod silhouette;
 mod source;

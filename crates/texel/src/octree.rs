@@ -4,8 +4,9 @@
 use std::ops::Range;
 
 use glam::{IVec3, Vec3};
+use rayon::prelude::*;
 
-use crate::bricks::Bricks;
+use crate::bricks::{Bricks, demorton, morton};
 use crate::compact::Compact;
 use crate::exposure::Shown;
 use crate::lobe::{Lobe, Lobes};
@@ -260,8 +261,8 @@ impl Level {
         {
             return structure(what);
         }
-        let mut faults = (0..voxels as u32).map(|i| (i, self.voxel(i).fault()));
-        faults.find_map(|(i, field)| field.map(|field| LevelFault::Voxel(i, field)))
+        let fault = |i| self.voxel(i).fault().map(|field| LevelFault::Voxel(i, field));
+        (0..voxels as u32).into_par_iter().with_min_len(4096).find_map_first(fault)
     }
 }
 
@@ -405,20 +406,20 @@ impl Texel {
         wrong.map_or(Ok(()), |(field, _)| Err(TexelError::Material { field }))
     }
 
+    /// Checks that the cells of a level are the parents of the next one's.
     fn validate_family(&self, level: u32, parents: &Level, children: &Level) -> Result<(), TexelError> {
-        let signed = |cell: [u32; 3]| IVec3::from_array(cell.map(|c| c as i32));
-        for cell in children.cells() {
-            let parent = cell.map(|c| c / 2);
-            if parents.bricks.find(signed(parent)).is_none() {
-                return Err(TexelError::Orphan { level, cell: parent });
+        let mut stored = parents.cells().map(morton);
+        let mut wanted = children.bricks.parents();
+        loop {
+            match (stored.next(), wanted.next()) {
+                (None, None) => return Ok(()),
+                (a, b) if a == b => {}
+                // Both ascend: the lower one is not among the others.
+                (a, b) => {
+                    let alone = a.unwrap_or(u32::MAX).min(b.unwrap_or(u32::MAX));
+                    return Err(TexelError::Orphan { level, cell: demorton(alone) });
+                }
             }
         }
-        for cell in parents.cells() {
-            let child = |i: i32| IVec3::new(i & 1, i >> 1 & 1, i >> 2 & 1) + 2 * signed(cell);
-            if (0..8).all(|i| children.bricks.find(child(i)).is_none()) {
-                return Err(TexelError::Orphan { level, cell });
-            }
-        }
-        Ok(())
     }
 }

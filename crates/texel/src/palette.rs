@@ -1,7 +1,9 @@
 //! The directions or colours that a level uses, few enough to be named by 11 or 12 bits.
 //!
-//! What is used again and again (a flat sheet, a blade, the facets of a ball) is kept exactly; what is not is gathered
+//! What is used again and again (a flat sheet, a blade, the facets of a model) is kept exactly; what is not is gathered
 //! on the finest grid of which few enough cells are used, each cell's mean standing for what lies in it.
+
+use std::cmp::Reverse;
 
 /// Points of which a voxel names one; D coordinates of an integer grid.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,6 +20,17 @@ impl<const D: usize> Palette<D> {
         for same in sorted.chunk_by(|a, b| a == b) {
             used.push((same[0], same.len() as u32));
         }
+        // Where half as many as there may be make two thirds of what is given, they stay as they are.
+        let mut exact = Vec::new();
+        if used.len() > most {
+            used.sort_by_key(|&(point, times)| (Reverse(times), point));
+            let often: u64 = used[..most / 2].iter().map(|&(_, times)| u64::from(times)).sum();
+            if 3 * often >= 2 * given.len() as u64 {
+                exact = used.drain(..most / 2).map(|(point, _)| point).collect();
+                exact.sort_unstable();
+            }
+        }
+        let most = most - exact.len();
         // The width of the finest grid that has few enough cells: between one that has, and one that has not.
         let (mut wide, mut narrow) = (1_i32, 0);
         while count(&used, wide) > most {
@@ -30,7 +43,7 @@ impl<const D: usize> Palette<D> {
         let mut cells: Vec<([i32; D], [i16; D], u32)> =
             used.iter().map(|&(point, times)| (cell(point, wide), point, times)).collect();
         cells.sort_unstable();
-        let (mut names, mut points) = (Vec::new(), Vec::new());
+        let (mut names, mut points) = (Vec::new(), exact.clone());
         for one in cells.chunk_by(|a, b| a.0 == b.0) {
             let whole: i64 = one.iter().map(|&(_, _, times)| i64::from(times)).sum();
             let mean = |axis: usize| {
@@ -41,7 +54,10 @@ impl<const D: usize> Palette<D> {
             names.push(one[0].0);
             points.push(std::array::from_fn(mean));
         }
-        let index = |point: &[i16; D]| names.binary_search(&cell(*point, wide)).unwrap_or_default() as u16;
+        let index = |point: &[i16; D]| match exact.binary_search(point) {
+            Ok(index) => index as u16,
+            Err(_) => (exact.len() + names.binary_search(&cell(*point, wide)).unwrap_or_default()) as u16,
+        };
         let indices = given.iter().map(index).collect();
         (Self { points }, indices)
     }
@@ -101,6 +117,18 @@ mod tests {
                 let [x, y] = palette.get(indices[i].into());
                 prop_assert!((x - point[0]).abs() <= 6000 && (y - point[1]).abs() <= 6000);
             }
+        }
+    }
+
+    #[test]
+    fn what_is_used_often_stays_as_it_is() {
+        // 50 points four times, and 99 others once: of 100 names the 50 have half.
+        let often: Vec<[i16; 2]> = (0..50).map(|i| [i, 3 * i]).collect();
+        let points: Vec<_> = [&often[..]; 4].concat().into_iter().chain((0..99).map(|i| [-i, 1])).collect();
+        let (palette, indices) = Palette::gather(&points, 100);
+        assert!(palette.points().len() <= 100);
+        for (point, &index) in points.iter().zip(&indices).take(200) {
+            assert_eq!(palette.get(index.into()), *point);
         }
     }
 

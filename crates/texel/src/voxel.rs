@@ -116,8 +116,13 @@ fn clip_slab(range: [f32; 2], near: f32, far: f32, speed: f32) -> [f32; 2] {
     [range[0].max(a.min(b)), range[1].min(a.max(b))]
 }
 
-/// Whether no eigenvalue is negative, beyond the rounding of the largest (relative to it).
+/// Whether no eigenvalue is negative, beyond the rounding of the largest: 1/1000 of the trace.
 fn is_positive(sigma: Symmetric3) -> bool {
-    let (values, _) = sigma.eigen();
-    values.z >= -1e-3 * values.x.abs()
+    let rounding = 1e-3 * f64::from(sigma.trace());
+    let Symmetric3 { xx, yy, zz, xy, xz, yz } = sigma;
+    let [xx, yy, zz] = [xx, yy, zz].map(|entry| f64::from(entry) + rounding);
+    let [xy, xz, yz] = [xy, xz, yz].map(f64::from);
+    // By Sylvester’s criterion, the leading minors; all of them are 0 where nothing is.
+    let last = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
+    xx >= 0.0 && xx * yy - xy * xy >= 0.0 && last >= 0.0
 }

@@ -20,6 +20,14 @@ pub enum FileError {
         /// The latest that is known.
         known: u32,
     },
+    /// It is of a version from before the first release.
+    #[error("is of version {version}, and this program reads version {known}: it has to be built again")]
+    Older {
+        /// The file's.
+        version: u32,
+        /// The first that is known.
+        known: u32,
+    },
     /// It ends too early.
     #[error("ends within {}", PartKind::or_header(*part))]
     Truncated {

@@ -17,30 +17,31 @@
 //!
 //! exact   voxels      32 bytes, as in memory
 //!         counts      u16: the surfels of each voxel
-//!         surfels     16 bytes, as in memory
+//!         surfels     14 bytes, as in memory
 //!
 //! compact directions  2 × i16
 //!         colours     3 × i16
-//!         voxels      16 bytes, as in memory
-//!         counts      u8: the surfels of each voxel
-//!         surfels     u32, as in memory
+//!         voxels      21 bytes: each number in bytes of its own
+//!         counts      u8: the records of each voxel
+//!         surfels     u32, then u8, as in memory: records of a surfel or of the two sides of a sheet
 //!
 //! lobes   counts      72 × u8 a voxel: the lobes for each direction
-//!         lobes       40 bytes, as in memory
+//!         lobes       14 bytes, as in memory
 //!
 //! density counts      u32: the scatterers of each voxel
-//!         scatterers  8 bytes, as in memory
+//!         scatterers  6 bytes, as in memory
 //!         maps        (map + 1)² bytes a scatterer
 //! ```
 
 use super::planes::{Planes, write};
 use crate::Level;
 use crate::bricks::Bricks;
-use crate::compact::{Compact, CompactVoxel};
+use crate::compact::{Compact, CompactSurfels, CompactVoxel};
 use crate::lobe::{Lobe, Lobes};
 use crate::octree::Content;
 use crate::packed::Packed;
 use crate::palette::Palette;
+use crate::sample::Sample;
 use crate::scatterer::{Cloud, Scatterer};
 use crate::surfel::{Surfel, Surfels};
 
@@ -49,7 +50,9 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     let bricks: Vec<(u32, [u64; 8])> = level.bricks().occupied().collect();
     let (compact, surfels, palettes) = match level.content() {
         Content::Exact(_, surfels) => (0, surfels.all().len(), [0; 2]),
-        Content::Compact(c) => (1, c.surfels.len(), [c.directions.points().len(), c.colors.points().len()]),
+        Content::Compact(c) => {
+            (1, c.surfels.tables().0.len(), [c.directions.points().len(), c.colors.points().len()])
+        }
     };
     let [directions, colors] = palettes;
     let form =
@@ -74,14 +77,16 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
             write(&mut out, compact.directions.points().iter().map(point::<2, 4>));
             write(&mut out, compact.colors.points().iter().map(point::<3, 6>));
             write(&mut out, compact.voxels.iter().map(|voxel| voxel.to_bytes()));
-            out.extend(compact.surfel_counts());
-            write(&mut out, compact.surfels.iter().map(|bits| bits.to_le_bytes()));
+            out.extend(compact.surfels.counts());
+            let (bits, shares) = compact.surfels.tables();
+            write(&mut out, bits.iter().map(|bits| bits.to_le_bytes()));
+            out.extend(shares);
         }
     }
     write(&mut out, level.all_lobes().counts().map(|count| [count]));
     write(&mut out, level.all_lobes().all().iter().map(|lobe| lobe.to_bytes()));
     write(&mut out, level.cloud().counts().map(u32::to_le_bytes));
-    write(&mut out, scatterers.iter().map(|scatterer| scatterer.to_bytes()));
+    write(&mut out, scatterers.iter().map(|scatterer| scatterer.0.to_bytes()));
     out.extend(maps);
     out
 }
@@ -111,10 +116,14 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
             let directions = Palette::from_points(directions);
             let colors = planes.read(colors).ok_or(SHORT)?.map(coordinates::<3, 6>).collect();
             let colors = Palette::from_points(colors);
-            let voxels: Vec<_> = planes.read(voxels).ok_or(SHORT)?.map(CompactVoxel::from_bytes).collect();
+            let voxels: Option<Vec<_>> =
+                planes.read(voxels).ok_or(SHORT)?.map(CompactVoxel::from_bytes).collect();
+            let voxels = voxels.ok_or("has a voxel of a number that is too large")?;
             let counts: Vec<_> = planes.read(voxels.len()).ok_or(SHORT)?.map(|[count]| count).collect();
-            let surfels = planes.read(surfels).ok_or(SHORT)?.map(u32::from_le_bytes).collect();
-            Content::Compact(Compact::from_tables(directions, colors, voxels, &counts, surfels)?)
+            let bits = planes.read(surfels).ok_or(SHORT)?.map(u32::from_le_bytes).collect();
+            let shares = planes.read(surfels).ok_or(SHORT)?.map(|[share]| share).collect();
+            let surfels = CompactSurfels::from_tables(&counts, bits, shares)?;
+            Content::Compact(Compact::from_tables(directions, colors, voxels, surfels)?)
         }
     };
     let mut level = Level::of_parts(bricks, content, openness, periodic);
@@ -126,7 +135,8 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     }
     if form & 2 != 0 {
         let counts = planes.read(voxels).ok_or(SHORT)?.map(u32::from_le_bytes);
-        let points = planes.read(scatterers).ok_or(SHORT)?.map(Scatterer::from_bytes).collect();
+        let points =
+            planes.read(scatterers).ok_or(SHORT)?.map(|bytes| Scatterer(Sample::from_bytes(bytes))).collect();
         let maps = std::mem::take(&mut planes.0).to_vec();
         level.set_cloud(Cloud::from_tables(counts, points, maps, side).ok_or("miscounts its scatterers")?);
     }

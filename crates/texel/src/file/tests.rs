@@ -121,15 +121,20 @@ fn every_early_end_is_found() {
 }
 
 #[test]
-fn newer_files_are_told_from_damaged_ones() {
+fn other_versions_are_told_from_damaged_ones() {
     let mut bytes = written(fur(), &FileOptions::default());
     bytes[8] = 7;
     assert!(matches!(read(&bytes), Err(FileError::Damaged { part: None })));
-    let mut hasher = crc32fast::Hasher::new();
-    hasher.update(&bytes[..24]);
-    hasher.update(&bytes[28..32 * (1 + 5)]);
-    bytes[24..28].copy_from_slice(&hasher.finalize().to_le_bytes());
-    assert!(matches!(read(&bytes), Err(FileError::Newer { version: 7, known: 1 })));
+    let mut of_version = |version: u8| {
+        bytes[8] = version;
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&bytes[..24]);
+        hasher.update(&bytes[28..32 * (1 + 5)]);
+        bytes[24..28].copy_from_slice(&hasher.finalize().to_le_bytes());
+        read(&bytes)
+    };
+    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 2 })));
+    assert!(matches!(of_version(1), Err(FileError::Older { version: 1, known: 2 })));
 }
 
 #[test]
