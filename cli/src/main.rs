@@ -10,12 +10,14 @@
 //! | `skin` | [`skin`]: a file for each of its own subcommands |
 //! | `texel` | [`texel`]: a file for each of its own subcommands |
 //! | `validate` | [`validate`] |
+//! | `bench` | [`bench`]: its scenes, what is measured and what is told |
 //!
 //! Flags that many of them share are in [`run_args`], what goes wrong is told by [`report`].
 //!
 //! stdout carries only data that was asked for; everything said to people goes to stderr.
 
 mod args;
+mod bench;
 mod check;
 mod compare;
 mod expand;
@@ -63,6 +65,8 @@ enum Command {
     Texel(texel::TexelCommand),
     /// Measure how far a scene's cone pictures are from what its geometry shows, at every distance.
     Validate(Box<validate::ValidateArgs>),
+    /// Measure how long whole scenes take, and in how much memory.
+    Bench(bench::BenchArgs),
 }
 
 const EXIT_CODES: &str = "\
@@ -79,6 +83,7 @@ fn main() -> ExitCode {
         Command::Skin(command) => skin::run(&command),
         Command::Texel(command) => texel::run(&command),
         Command::Validate(args) => validate::run(&args),
+        Command::Bench(args) => bench::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -22,7 +22,9 @@ use pelage::tracer::Rays;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
     let depth = args.next().ok_or("a depth and kinds, as in `7 fur:long grass:meadow`")?.parse()?;
-    println!("kind             finest voxels   memory           file             pixels  set      all      noise");
+    println!(
+        "kind             finest voxels   memory           file             pixels  set      all      noise"
+    );
     for word in args {
         let exact = measured(&word, depth)?.without_source();
         let compact = exact.clone().compacted();
@@ -60,7 +62,12 @@ fn measured(word: &str, depth: u32) -> Result<Texel, Box<dyn Error>> {
     if path.extension().is_some() {
         let cut = ContentOptions { resolution: 1 << depth, ..ContentOptions::default() };
         let content = content(path, &read(path)?, &cut, &|_| ())?;
-        return Ok(build_exact(word, content.geometry, &BuildOptions { periodic: false, ..options }, &|_| ())?);
+        return Ok(build_exact(
+            word,
+            content.geometry,
+            &BuildOptions { periodic: false, ..options },
+            &|_| (),
+        )?);
     }
     let TexelEntry::Grown { kind, .. } = TexelEntry::from_word(word)? else {
         return Err("a kind is needed, or a model".into());

@@ -110,7 +110,7 @@ fn row(surface: &Parametric, nu: usize, nv: usize) -> Result<Row, Failure> {
     Ok(Row {
         patches: tessellation.mesh.faces.len(),
         vertices: tessellation.mesh.positions.len(),
-        deviation: tessellation.deviation,
+        deviation: tessellation.deviation(),
         time: times[REPEATS / 2],
         bytes: skin.bytes(),
     })

@@ -1,5 +1,6 @@
 //! The `pelage` program from outside: exit codes, messages, files. A file for each subcommand.
 
+mod bench;
 mod check;
 mod compare;
 mod folder;

@@ -15,6 +15,7 @@
 pub mod bounds;
 pub mod cone;
 pub mod ellipsoid;
+pub mod hash;
 pub mod hexahedron;
 pub mod inverse;
 pub mod material;

@@ -75,7 +75,7 @@ impl Brick {
     #[inline]
     fn before(&self, word: usize) -> u32 {
         // For the first word, the highest bit: no rank reaches it.
-        self.first + (self.ranks >> (9 * (word as u32 + 7 & 7)) & 511) as u32
+        self.first + (self.ranks >> (9 * ((word as u32 + 7) % 8)) & 511) as u32
     }
 }
 

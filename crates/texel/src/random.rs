@@ -1,5 +1,7 @@
 //! A small deterministic generator of random numbers: SplitMix64 [Steele14].
 
+use pelage_geom::hash::{STEP, finish};
+
 /// The state; the same seed gives the same numbers everywhere.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
@@ -14,10 +16,8 @@ impl Random {
     }
 
     fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
+        self.0 = self.0.wrapping_add(STEP);
+        finish(self.0)
     }
 
     /// Uniform in [0, 1).

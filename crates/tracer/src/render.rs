@@ -187,10 +187,7 @@ fn pixel(
         view.merge();
     }
 
-    let mut color = Vec3::ZERO;
-    for seen in &view.surfaces {
-        color += seen.weight * shader.surface(scene, settings, seen);
-    }
+    let mut color = shader.surfaces(scene, settings, &view.surfaces);
     let alpha = (1.0 - background).clamp(0.0, 1.0);
     let depth = view.median_depth(camera.forward(), alpha);
     view.choose(settings.lit_voxels as usize);

@@ -1,7 +1,9 @@
 //! The scene in memory: described by plain structs, compiled once, then only read.
 
+use std::sync::LazyLock;
+
 use glam::{Vec2, Vec3};
-use pelage_geom::{Hexahedron, Material, Mesh, MeshError, Texture};
+use pelage_geom::{Hexahedron, Material, MaterialId, Mesh, MeshError, Texture};
 use pelage_skin::{Patch, Skin};
 use pelage_texel::Texel;
 
@@ -276,6 +278,12 @@ impl Scene {
     #[inline]
     pub(crate) fn hexahedron(&self, patch: u32) -> &Hexahedron {
         &self.hexahedra[patch as usize]
+    }
+
+    /// The material of an opaque surface.
+    pub(crate) fn material(&self, id: MaterialId) -> &Material {
+        static PLAIN: LazyLock<Material> = LazyLock::new(Material::default);
+        self.materials.get(id.0 as usize).unwrap_or(&PLAIN)
     }
 
     /// Diffuse albedo of a material at `uv`, averaged over `footprint` units of uv.

@@ -1,5 +1,6 @@
 //! Boxes left out by chance, as many as a density says.
 
+use pelage_geom::hash::{STEP, finish};
 use rayon::prelude::*;
 
 use crate::{Patch, Skin};
@@ -44,8 +45,5 @@ pub(super) fn retain<T>(list: &mut Vec<T>, kept: &[bool]) {
 
 /// Uniform in [0, 1), by the number of a box alone. \[Steele14\]
 fn drawn(number: u32) -> f32 {
-    let z = (u64::from(number) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ z >> 31) >> 40) as f32 / (1 << 24) as f32
+    (finish((u64::from(number) + 1).wrapping_mul(STEP)) >> 40) as f32 / (1 << 24) as f32
 }

@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{DVec3, Vec2, Vec3};
 use pelage_geom::{Attribute, Face, Mesh};
 
-use super::{Account, Tessellation};
+use super::{Account, Deviation, Surface, Tessellation};
 use crate::SkinError;
 
 /// How a mesh is subdivided.
@@ -56,18 +56,30 @@ pub fn subdivide(mesh: &Mesh, subdivision: &Subdivision) -> Result<Tessellation,
     for _ in 0..levels {
         cage = cage.step().0;
     }
-    let mut finer = cage.clone();
-    let mut steps = Vec::new();
-    // The measure is for what it costs: not on more than some millions of faces.
-    if count.is_some_and(|n| n < 1 << 20) {
-        for _ in 0..FINER {
-            let (next, edges) = finer.step();
-            finer = next;
-            steps.push(edges);
+    let mesh = cage.clone().finish();
+    Ok(Tessellation { mesh, surface: Surface::Limit(Limit(cage)) })
+}
+
+/// What further subdivision of a mesh comes near to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Limit(Cage);
+
+impl Limit {
+    /// How far the mesh is from what it is after some more steps.
+    pub(super) fn deviation(&self) -> Deviation {
+        let Self(cage) = self;
+        let mut finer = cage.clone();
+        let mut steps = Vec::new();
+        // The measure is for what it costs: not on more than some millions of faces.
+        if cage.mesh.faces.len() < 1 << 20 {
+            for _ in 0..FINER {
+                let (next, edges) = finer.step();
+                finer = next;
+                steps.push(edges);
+            }
         }
+        cage.deviation(&finer, &steps).finish()
     }
-    let deviation = cage.deviation(&finer, &steps).finish();
-    Ok(Tessellation { mesh: cage.finish(), deviation })
 }
 
 /// The points that steps put on edges, by their lower and higher vertex.
@@ -77,7 +89,7 @@ type EdgePoints = HashMap<Ends, u32>;
 type Ends = (u32, u32);
 
 /// A mesh on its way to the limit surface.
-#[derive(Clone)]
+#[derive(Clone, Debug, PartialEq)]
 struct Cage {
     mesh: Mesh,
     positions: Vec<DVec3>,

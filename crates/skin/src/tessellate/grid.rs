@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3, Vec2};
 use pelage_geom::{Face, MaterialId, Mesh};
 use rayon::prelude::*;
 
-use super::{Account, Bounds, Deviation, Parametric, Tessellation};
+use super::{Account, Bounds, Deviation, Parametric, Surface, Tessellation};
 use crate::SkinError;
 
 /// Straight pieces of which an arc is measured; for an eighth of a turn they miss 1e-5 of it.
@@ -20,7 +20,11 @@ pub fn uniform(surface: &Parametric, nu: usize, nv: usize) -> Result<Tessellatio
     let least = if surface.closed()[0] { [3, if surface.closed()[1] { 3 } else { 2 }] } else { [1, 1] };
     let lines = [nu.max(least[0]), nv.max(least[1])].map(even);
     check_size(surface, &lines, u32::MAX as usize / 4)?;
-    Ok(Tessellation { mesh: mesh(surface, &lines), deviation: deviation(surface, &lines) })
+    Ok(tessellation(surface, lines))
+}
+
+fn tessellation(surface: &Parametric, lines: [Vec<f64>; 2]) -> Tessellation {
+    Tessellation { mesh: mesh(surface, &lines), surface: Surface::Parametric(surface.clone(), lines) }
 }
 
 /// A surface by as few grid lines as keep its deviation within `bounds`, where halving intervals of u or v finds them:
@@ -40,7 +44,7 @@ pub fn adaptive(surface: &Parametric, bounds: &Bounds) -> Result<Tessellation, S
         check_size(surface, &lines, bounds.most_patches.min(u32::MAX as usize / 4))?;
         let split = [wanted_splits(surface, &lines, bounds, 0), wanted_splits(surface, &lines, bounds, 1)];
         if !split.iter().flatten().any(|s| *s) {
-            return Ok(Tessellation { mesh: mesh(surface, &lines), deviation: deviation(surface, &lines) });
+            return Ok(tessellation(surface, lines));
         }
         for (lines, split) in lines.iter_mut().zip(split) {
             *lines = halved(lines, &split);
@@ -150,7 +154,7 @@ fn area_of_cells(n: usize, point: &dyn Fn(f64, f64) -> DVec3) -> f64 {
     area
 }
 
-fn deviation(surface: &Parametric, [us, vs]: &[Vec<f64>; 2]) -> Deviation {
+pub(super) fn deviation(surface: &Parametric, [us, vs]: &[Vec<f64>; 2]) -> Deviation {
     let rows: Vec<[Vec<Measured>; 2]> = (0..vs.len())
         .into_par_iter()
         .map(|j| {

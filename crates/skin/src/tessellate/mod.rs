@@ -17,9 +17,9 @@
 //! let torus = Parametric::Torus { major: 1.0, minor: 0.4 };
 //! let coarse = uniform(&torus, 16, 8)?;
 //! let fine = uniform(&torus, 32, 16)?;
-//! assert!(fine.deviation.arc < 0.3 * coarse.deviation.arc);
+//! assert!(fine.deviation().arc < 0.3 * coarse.deviation().arc);
 //! let bounded = adaptive(&torus, &Bounds { arc: 0.01, ..Bounds::NONE })?;
-//! assert!(bounded.deviation.arc <= 0.01);
+//! assert!(bounded.deviation().arc <= 0.01);
 //! # Ok::<(), pelage_skin::SkinError>(())
 //! ```
 
@@ -30,18 +30,37 @@ mod parametric;
 
 use pelage_geom::Mesh;
 
+use catmull_clark::Limit;
 pub use catmull_clark::{Subdivision, subdivide};
 pub use grid::{adaptive, uniform};
 pub use normals::smooth_normals;
 pub use parametric::Parametric;
 
-/// A mesh that stands for a surface, and how well.
+/// A mesh that stands for a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tessellation {
     /// With texture coordinates in `[0,1]²`, where the surface has parameters.
     pub mesh: Mesh,
-    /// How far it is from the surface.
-    pub deviation: Deviation,
+    surface: Surface,
+}
+
+/// What a mesh stands for.
+#[derive(Clone, Debug, PartialEq)]
+enum Surface {
+    /// A surface, and the values of its parameters that have lines.
+    Parametric(Parametric, [Vec<f64>; 2]),
+    /// The limit of subdivision.
+    Limit(Limit),
+}
+
+impl Tessellation {
+    /// How far the mesh is from the surface. It takes some dozen times as long as the mesh did.
+    pub fn deviation(&self) -> Deviation {
+        match &self.surface {
+            Surface::Parametric(surface, lines) => grid::deviation(surface, lines),
+            Surface::Limit(limit) => limit.deviation(),
+        }
+    }
 }
 
 /// By how much a mesh differs from the surface that it stands for.

@@ -5,6 +5,7 @@
 //! multiplications and integers only: the same bits everywhere.
 
 use glam::{DVec3, I64Vec3};
+use pelage_geom::hash::{STEP, finish};
 
 /// Noise over a lattice of cells of edge 1, which repeats after `period` of them in x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +24,7 @@ impl Noise {
 
     /// Whatever the `stream`, noise of the same seed has nothing to do with that of another.
     pub(crate) fn new(seed: u64, stream: u64, period: u32) -> Self {
-        Self { seed: mix(seed ^ mix(stream)), period: i64::from(period.max(1)) }
+        Self { seed: finish(seed ^ finish(stream)), period: i64::from(period.max(1)) }
     }
 
     /// The noise at a point.
@@ -48,10 +49,12 @@ impl Noise {
 
     fn hash(&self, corner: I64Vec3) -> u64 {
         let [x, y, z] = corner.to_array().map(|c| c as u64);
-        mix(self.seed
-            ^ x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
-            ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(21)
-            ^ z.wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(42))
+        finish(
+            self.seed
+                ^ x.wrapping_mul(STEP)
+                ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(21)
+                ^ z.wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(42),
+        )
     }
 }
 
@@ -87,13 +90,6 @@ fn fade(t: f64) -> f64 {
 
 fn lerp(a: f64, b: f64, t: f64) -> f64 {
     a + t * (b - a)
-}
-
-/// A bijection of 64 bits in which every bit depends on all: SplitMix's finaliser. [Steele14]
-fn mix(z: u64) -> u64 {
-    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ z >> 31
 }
 
 #[cfg(test)]

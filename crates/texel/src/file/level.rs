@@ -23,7 +23,8 @@
 //!         colours     3 × i16
 //!         voxels      21 bytes: each number in bytes of its own
 //!         counts      u8: the records of each voxel
-//!         surfels     u32, then u8, as in memory: records of a surfel or of the two sides of a sheet
+//!         records     of a surfel or of the two sides of a sheet, as in memory: the low u16 of each; the high u16, one
+//!                     record after the other, since neighbours face alike; u8
 //!
 //! lobes   counts      72 × u8 a voxel: the lobes for each direction
 //!         lobes       14 bytes, as in memory
@@ -79,7 +80,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
             write(&mut out, compact.voxels.iter().map(|voxel| voxel.to_bytes()));
             out.extend(compact.surfels.counts());
             let (bits, shares) = compact.surfels.tables();
-            write(&mut out, bits.iter().map(|bits| bits.to_le_bytes()));
+            write(&mut out, bits.iter().map(|&bits| (bits as u16).to_le_bytes()));
+            out.extend(bits.iter().flat_map(|bits| ((bits >> 16) as u16).to_le_bytes()));
             out.extend(shares);
         }
     }
@@ -120,7 +122,9 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
                 planes.read(voxels).ok_or(SHORT)?.map(CompactVoxel::from_bytes).collect();
             let voxels = voxels.ok_or("has a voxel of a number that is too large")?;
             let counts: Vec<_> = planes.read(voxels.len()).ok_or(SHORT)?.map(|[count]| count).collect();
-            let bits = planes.read(surfels).ok_or(SHORT)?.map(u32::from_le_bytes).collect();
+            let low = planes.read(surfels).ok_or(SHORT)?.map(u16::from_le_bytes);
+            let high = planes.read_rows(surfels).ok_or(SHORT)?.map(u16::from_le_bytes);
+            let bits = low.zip(high).map(|(low, high)| u32::from(low) | u32::from(high) << 16).collect();
             let shares = planes.read(surfels).ok_or(SHORT)?.map(|[share]| share).collect();
             let surfels = CompactSurfels::from_tables(&counts, bits, shares)?;
             Content::Compact(Compact::from_tables(directions, colors, voxels, surfels)?)

@@ -26,6 +26,16 @@ impl<'a> Planes<'a> {
         Some((0..count).map(move |i| std::array::from_fn(|plane| planes[plane * count + i])))
     }
 
+    /// The next `count` records, if there are so many, where they stand one after the other.
+    pub fn read_rows<const N: usize>(
+        &mut self,
+        count: usize,
+    ) -> Option<impl ExactSizeIterator<Item = [u8; N]> + 'a> {
+        let (rows, rest) = self.0.split_at_checked(count.checked_mul(N)?)?;
+        self.0 = rest;
+        Some((0..count).map(move |i| std::array::from_fn(|byte| rows[N * i + byte])))
+    }
+
     /// The next `N` counts.
     pub fn counts<const N: usize>(&mut self) -> Option<[usize; N]> {
         let mut counts = [0; N];
