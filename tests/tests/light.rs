@@ -43,7 +43,7 @@ fn compare(content: Content, tolerance: &Tolerance) {
 
 // The goals are alpha within 1 % (fur 1.5 %), and energy within 2 % at 64 pixels a box and 4 % beyond. Alpha reaches
 // them but for leaves from 4 pixels on, 2.3 %. Energy does not, except that of the sheet down to 16 pixels; the tolerances
-// are what is reached, rounded up. At 64 pixels grass and leaves are 5 % too bright from the side on the bent skin; from 4
+// are what is reached, rounded up (lobes of two bits a cell moved it by up to 1 %, up and down). At 64 pixels grass and leaves are 5 % too bright from the side on the bent skin; from 4
 // pixels on, fur is 13 to 18 % too dark from the side on the bent skin, and 7 to 10 % too bright near the view; leaves near
 // the view are 8 % too dark at 4 pixels.
 
@@ -59,7 +59,7 @@ fn a_sheet_is_as_bright_as_its_geometry() {
 fn leaves_are_as_bright_as_their_geometry() {
     compare(
         Content::Leaves,
-        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.05, 0.04, 0.09, 0.04] },
+        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.05, 0.045, 0.095, 0.04] },
     );
 }
 
@@ -67,7 +67,7 @@ fn leaves_are_as_bright_as_their_geometry() {
 fn grass_is_as_bright_as_its_geometry() {
     compare(
         Content::Grass,
-        &Tolerance { alpha: [0.004, 0.005, 0.01, 0.012], energy: [0.05, 0.02, 0.055, 0.065] },
+        &Tolerance { alpha: [0.004, 0.005, 0.01, 0.012], energy: [0.05, 0.02, 0.055, 0.07] },
     );
 }
 
@@ -75,6 +75,6 @@ fn grass_is_as_bright_as_its_geometry() {
 fn fur_is_as_bright_as_its_geometry() {
     compare(
         Content::Fur,
-        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.04, 0.09, 0.14, 0.19] },
+        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.04, 0.095, 0.15, 0.19] },
     );
 }

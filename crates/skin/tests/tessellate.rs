@@ -66,7 +66,11 @@ fn arc_error_of_a_circle_is_known() {
         let sphere = uniform(&Parametric::Sphere { radius: 2.0 }, nu, nv).unwrap();
         let (around, up) = (TAU / nu as f64, PI / nv as f64);
         let expected = error(around.max(up));
-        assert!((sphere.deviation().arc / expected - 1.0).abs() < 0.01, "{:?} {expected}", sphere.deviation());
+        assert!(
+            (sphere.deviation().arc / expected - 1.0).abs() < 0.01,
+            "{:?} {expected}",
+            sphere.deviation()
+        );
         let metres = 2.0 * (around * error(around)).max(up * error(up));
         assert!((sphere.deviation().arc_metres / metres - 1.0).abs() < 0.01);
         assert_eq!(topology(&sphere.mesh), (2, 0));

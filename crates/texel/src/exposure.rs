@@ -129,7 +129,10 @@ fn choose(
             let mut found = found(range);
             let random = &mut Random::new((level as u64) << 32 | i as u64, 0x50f3);
             thin_out(&mut found, most_surfels(level), random);
-            merge_alike(&mut found);
+            // Coarse voxels are few: there it would save little, and their light is all that is seen of the texel.
+            if level > COARSE {
+                merge_alike(&mut found);
+            }
             let largest = found.iter().fold(f32::MIN_POSITIVE, |largest, found| found.weight.max(largest));
             found.iter().map(|f| Surfel::new(f.normal, f.color, f.weight / largest, f.open)).collect()
         });

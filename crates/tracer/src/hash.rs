@@ -1,12 +1,6 @@
-//! One bijection of 64 bits in which every bit depends on all: what is drawn by place is drawn by it.
+//! What is drawn by place: numbers that depend on it and on nothing else.
 
-/// The finaliser of SplitMix64. [Steele14]
-#[inline]
-pub(crate) fn finish(z: u64) -> u64 {
-    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ z >> 31
-}
+use pelage_geom::hash::{STEP, finish};
 
 /// Numbers that depend on the words that they are drawn from, and on nothing else. [Steele14]
 #[derive(Clone, Copy, Debug)]
@@ -18,14 +12,14 @@ impl Drawn {
     pub fn from<const N: usize>(words: [u64; N]) -> Self {
         Self(words.into_iter().fold(0, |hash: u64, word| {
             // A word of 0 changes the state too.
-            finish(hash.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ word)
+            finish(hash.wrapping_add(STEP) ^ word)
         }))
     }
 
     /// 64 new bits.
     #[inline]
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        self.0 = self.0.wrapping_add(STEP);
         finish(self.0)
     }
 

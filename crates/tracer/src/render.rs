@@ -173,7 +173,6 @@ fn pixel(
     shader: &mut Shader,
 ) -> Pixel {
     view.clear();
-    shader.clear();
     let corner = Vec2::new(x as f32, y as f32);
     let offsets = offsets(settings.rays);
     let share = 1.0 / offsets.len() as f32;
@@ -191,6 +190,7 @@ fn pixel(
     let alpha = (1.0 - background).clamp(0.0, 1.0);
     let depth = view.median_depth(camera.forward(), alpha);
     view.choose(settings.lit_voxels as usize);
+    shader.begin(&view.voxels);
     color += view.voxels.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum::<Vec3>();
 
     Pixel { color, alpha, depth }

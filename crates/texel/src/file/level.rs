@@ -27,7 +27,7 @@
 //!                     record after the other, since neighbours face alike; u8
 //!
 //! lobes   counts      72 × u8 a voxel: the lobes for each direction
-//!         lobes       14 bytes, as in memory
+//!         lobes       22 bytes, as in memory
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory

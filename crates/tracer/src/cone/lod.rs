@@ -41,7 +41,7 @@ impl Levels {
         let lambda = (a + (b - a) * x).clamp(0.0, self.depth as f32);
         let coarse = lambda as u32;
         let blend = (0.5 + (lambda - coarse as f32 - 0.5) * FADE.recip()).clamp(0.0, 1.0);
-        if coarse % 2 == 0 { 1.0 - blend } else { blend }
+        if coarse.is_multiple_of(2) { 1.0 - blend } else { blend }
     }
 
     /// The finest level that has any weight.

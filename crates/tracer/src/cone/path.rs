@@ -220,7 +220,7 @@ pub(crate) fn to_box(lattice: &Lattice, at: Vec3) -> Vec3 {
 }
 
 /// The matrix from texel steps to box steps.
-fn lattice_inverse(lattice: &Lattice) -> Mat3 {
+pub(crate) fn lattice_inverse(lattice: &Lattice) -> Mat3 {
     Mat3::from_cols(lattice.u.extend(0.0), lattice.v.extend(0.0), Vec3::Z).inverse()
 }
 

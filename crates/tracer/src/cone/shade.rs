@@ -7,7 +7,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use pelage_texel::{Level, Scatterers, Surfel, Voxel};
 
 use super::composite::{SeenSurface, SeenVoxel};
-use super::path::to_box;
+use super::path::{lattice_inverse, to_box};
 use super::shadow::{Correlation, ShadowBuffers, ShadowCone};
 use crate::light::Incoming;
 use crate::scene::Coat;
@@ -19,8 +19,41 @@ pub(crate) struct Shader {
     shadows: ShadowBuffers,
     surfels: Vec<Surfel>,
     visible: Vec<Visible>,
-    /// Of each box that has been lit in this pixel, what of the light from below reaches it.
-    below: Vec<(u32, f32)>,
+    /// Where the pixel sees each of its boxes.
+    places: Vec<SeenPlace>,
+}
+
+/// The mean of what a pixel sees of one box.
+struct SeenPlace {
+    patch: u32,
+    weight: f32,
+    /// Texel coordinates.
+    at: Vec3,
+    /// The direction of its rays, scene space.
+    direction: Vec3,
+    /// The edge of its voxels, in texel units.
+    edge: f32,
+    /// What of the light from below reaches it, once it is known.
+    below: Option<f32>,
+}
+
+impl SeenPlace {
+    fn new(voxel: &SeenVoxel) -> Self {
+        let SeenVoxel { key, weight, at, direction, .. } = *voxel;
+        Self { patch: key.patch, weight, at, direction, edge: edge_of(voxel), below: None }
+    }
+
+    fn add(&mut self, voxel: &SeenVoxel) {
+        self.weight += voxel.weight;
+        let part = voxel.weight / self.weight.max(f32::MIN_POSITIVE);
+        self.at = self.at.lerp(voxel.at, part);
+        self.direction = self.direction.lerp(voxel.direction, part);
+        self.edge += part * (edge_of(voxel) - self.edge);
+    }
+}
+
+fn edge_of(voxel: &SeenVoxel) -> f32 {
+    1.0 / (1_u32 << voxel.key.level) as f32
 }
 
 impl Shader {
@@ -29,9 +62,15 @@ impl Shader {
         self.shadows.take_counts()
     }
 
-    /// Begins another pixel.
-    pub fn clear(&mut self) {
-        self.below.clear();
+    /// Begins with the voxels of another pixel.
+    pub fn begin(&mut self, voxels: &[SeenVoxel]) {
+        self.places.clear();
+        for voxel in voxels {
+            match self.places.iter_mut().find(|place| place.patch == voxel.key.patch) {
+                Some(place) => place.add(voxel),
+                None => self.places.push(SeenPlace::new(voxel)),
+            }
+        }
     }
 
     /// The radiance of a voxel's visible matter towards the eye.
@@ -76,23 +115,7 @@ impl Shader {
         let lit_from_below = settings.shadows
             && scene.environment != Environment::BLACK
             && self.visible.first().is_some_and(|v| v.point.is_some());
-        let below = if lit_from_below {
-            // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
-            let facing: Vec3 = self.visible.iter().map(|v| v.weight * v.normal).sum();
-            let down = (facing.normalize_or_zero() - jacobian.z_axis.normalize_or_zero()).normalize_or_zero();
-            let width = jacobian.determinant().abs().cbrt() / scale;
-            // It is a small part of all light, and much the same for all that a pixel sees of a box.
-            match self.below.iter().find(|(patch, _)| *patch == seen.key.patch) {
-                Some((_, below)) => *below,
-                None => {
-                    let below = self.light_below(scene, settings, point, down, width);
-                    self.below.push((seen.key.patch, below));
-                    below
-                }
-            }
-        } else {
-            0.0
-        };
+        let below = if lit_from_below { self.below(scene, settings, seen.key.patch) } else { 0.0 };
         let openness = texel.openness(seen.key.level.into(), seen.key.within().into());
         let surfels = &self.surfels;
         let sky = |v: &Visible| match v.point {
@@ -170,6 +193,26 @@ impl Shader {
             radiance += arriving * incoming.irradiance * reflected;
         }
         radiance
+    }
+
+    /// What of the light from below reaches what the pixel sees of a box: it is a small part of all light, and much the
+    /// same for all of that.
+    fn below(&mut self, scene: &Scene, settings: &Settings, patch: u32) -> f32 {
+        let Some(i) = self.places.iter().position(|place| place.patch == patch) else { return 0.0 };
+        let &SeenPlace { at, direction, edge, below, .. } = &self.places[i];
+        below.unwrap_or_else(|| {
+            let (_, standing) = scene.patch(patch);
+            let map = scene.hexahedron(patch).map();
+            let u = to_box(&standing.lattice, at).as_dvec3();
+            let jacobian = map.jacobian(u).as_mat3() * lattice_inverse(&standing.lattice);
+            // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
+            let up = jacobian.z_axis.normalize_or_zero();
+            let down = (-direction.normalize_or_zero() - up).normalize_or_zero();
+            let width = jacobian.determinant().abs().cbrt() * edge;
+            let below = self.light_below(scene, settings, map.point(u), down, width);
+            self.places[i].below = Some(below);
+            below
+        })
     }
 
     /// What of the light from below reaches a point of a coat past what is near: nothing, where a surface lies under it.

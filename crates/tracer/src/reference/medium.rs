@@ -7,10 +7,10 @@
 //! derivatives are differences: T is linear along each coordinate.
 
 use glam::{DMat3, DVec3, Vec3};
+use pelage_geom::hash::finish;
 use pelage_texel::Density;
 
 use super::carrier::Carrier;
-use crate::hash::finish;
 use crate::variety::Tile;
 
 /// A density and the most that each cell of its octree holds.
