@@ -8,12 +8,15 @@
 //!    copies of the texel differ, copy by copy ([`stretch`]);
 //! 4. [`composite`]: the trails of all boxes merged by distance, front to back, cut by opaque surfaces.
 //!
-//! [`shadow`] does the same towards a light, where only the transmittance matters, and [`shade`] lights what
-//! was seen.
+//! [`shadow`] does the same towards a light, where only the transmittance matters; [`shade`] lights the voxels that were
+//! seen ([`facing`], [`below`]) and [`opaque`] the surfaces.
 
+mod below;
 pub(crate) mod composite;
+mod facing;
 pub(crate) mod lod;
 pub(crate) mod march;
+mod opaque;
 pub(crate) mod passages;
 pub(crate) mod path;
 pub(crate) mod shade;

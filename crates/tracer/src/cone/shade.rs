@@ -1,59 +1,26 @@
-//! The light that a seen voxel or surface sends to the eye. [seed §5.2, §6.1c, method §7]
+//! The light that a seen voxel sends to the eye. [seed §5.2, §6.1c, method §7]
 
-use glam::{DVec3, Mat3, Vec2, Vec3};
-use pelage_geom::{Cone, Material, Ray, material::exponent_of_roughness};
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use pelage_texel::{Level, Scatterers, Surfel, Voxel};
+use glam::{Mat3, Vec2, Vec3};
+use pelage_geom::{Cone, material::exponent_of_roughness};
+use pelage_texel::{Scatterers, Surfel};
 
-use super::composite::{SeenSurface, SeenVoxel};
-use super::path::{lattice_inverse, to_box};
+use super::below::Below;
+use super::composite::SeenVoxel;
+use super::facing::{Facing, Point, Visible};
+use super::path::to_box;
 use super::shadow::{Correlation, ShadowBuffers, ShadowCone};
-use crate::light::Incoming;
 use crate::scene::Coat;
 use crate::{Counts, Environment, Scene, Settings};
 
 /// Lights what a pixel sees; holds the buffers of the shadow cones.
 #[derive(Default)]
 pub(crate) struct Shader {
-    shadows: ShadowBuffers,
+    pub(super) shadows: ShadowBuffers,
     surfels: Vec<Surfel>,
     visible: Vec<Visible>,
-    /// Where the pixel sees each of its boxes.
-    places: Vec<SeenPlace>,
-}
-
-/// The mean of what a pixel sees of one box.
-struct SeenPlace {
-    patch: u32,
-    weight: f32,
-    /// Texel coordinates.
-    at: Vec3,
-    /// The direction of its rays, scene space.
-    direction: Vec3,
-    /// The edge of its voxels, in texel units.
-    edge: f32,
-    /// What of the light from below reaches it, once it is known.
-    below: Option<f32>,
-}
-
-impl SeenPlace {
-    fn new(voxel: &SeenVoxel) -> Self {
-        let SeenVoxel { key, weight, at, direction, .. } = *voxel;
-        Self { patch: key.patch, weight, at, direction, edge: edge_of(voxel), below: None }
-    }
-
-    fn add(&mut self, voxel: &SeenVoxel) {
-        self.weight += voxel.weight;
-        let part = voxel.weight / self.weight.max(f32::MIN_POSITIVE);
-        self.at = self.at.lerp(voxel.at, part);
-        self.direction = self.direction.lerp(voxel.direction, part);
-        self.edge += part * (edge_of(voxel) - self.edge);
-    }
-}
-
-fn edge_of(voxel: &SeenVoxel) -> f32 {
-    1.0 / (1_u32 << voxel.key.level) as f32
+    below: Below,
 }
 
 impl Shader {
@@ -64,13 +31,7 @@ impl Shader {
 
     /// Begins with the voxels of another pixel.
     pub fn begin(&mut self, voxels: &[SeenVoxel]) {
-        self.places.clear();
-        for voxel in voxels {
-            match self.places.iter_mut().find(|place| place.patch == voxel.key.patch) {
-                Some(place) => place.add(voxel),
-                None => self.places.push(SeenPlace::new(voxel)),
-            }
-        }
+        self.below.begin(voxels);
     }
 
     /// The radiance of a voxel's visible matter towards the eye.
@@ -115,7 +76,11 @@ impl Shader {
         let lit_from_below = settings.shadows
             && scene.environment != Environment::BLACK
             && self.visible.first().is_some_and(|v| v.point.is_some());
-        let below = if lit_from_below { self.below(scene, settings, seen.key.patch) } else { 0.0 };
+        let below = if lit_from_below {
+            self.below.of(&mut self.shadows, scene, settings, seen.key.patch)
+        } else {
+            0.0
+        };
         let openness = texel.openness(seen.key.level.into(), seen.key.within().into());
         let surfels = &self.surfels;
         let sky = |v: &Visible| match v.point {
@@ -194,179 +159,10 @@ impl Shader {
         }
         radiance
     }
-
-    /// What of the light from below reaches what the pixel sees of a box: it is a small part of all light, and much the
-    /// same for all of that.
-    fn below(&mut self, scene: &Scene, settings: &Settings, patch: u32) -> f32 {
-        let Some(i) = self.places.iter().position(|place| place.patch == patch) else { return 0.0 };
-        let &SeenPlace { at, direction, edge, below, .. } = &self.places[i];
-        below.unwrap_or_else(|| {
-            let (_, standing) = scene.patch(patch);
-            let map = scene.hexahedron(patch).map();
-            let u = to_box(&standing.lattice, at).as_dvec3();
-            let jacobian = map.jacobian(u).as_mat3() * lattice_inverse(&standing.lattice);
-            // Half-way between straight down, where upright strands hide nothing, and where what is seen faces.
-            let up = jacobian.z_axis.normalize_or_zero();
-            let down = (-direction.normalize_or_zero() - up).normalize_or_zero();
-            let width = jacobian.determinant().abs().cbrt() * edge;
-            let below = self.light_below(scene, settings, map.point(u), down, width);
-            self.places[i].below = Some(below);
-            below
-        })
-    }
-
-    /// What of the light from below reaches a point of a coat past what is near: nothing, where a surface lies under it.
-    fn light_below(
-        &mut self,
-        scene: &Scene,
-        settings: &Settings,
-        origin: DVec3,
-        down: Vec3,
-        width: f32,
-    ) -> f32 {
-        let direction = down.as_dvec3();
-        let reach = f64::from(2.0 * scene.reach);
-        if direction == DVec3::ZERO || scene.surfaces.blocked(&Ray { origin, direction }, reach) {
-            return 0.0;
-        }
-        let cone = Cone { width: f64::from(width), spread: f64::from(SKY_SPREAD) };
-        let start = f64::from(2.0 * width);
-        let shadow =
-            ShadowCone { origin, direction, start, end: reach, cone, correlation: Correlation::NONE };
-        self.shadows.through_coats(scene, settings, &shadow)
-    }
-
-    /// The light that points of opaque surfaces send to the eye, weighed. What coats let through to points that lie
-    /// beside each other ([`SeenSurface::is_beside`]) is asked once for all of them.
-    pub fn surfaces(&mut self, scene: &Scene, settings: &Settings, seen: &[SeenSurface]) -> Vec3 {
-        let groups = seen.chunk_by(|a, b| a.is_beside(b));
-        groups.map(|group| self.neighbours(scene, settings, group)).sum()
-    }
-
-    /// The same for points beside each other.
-    fn neighbours(&mut self, scene: &Scene, settings: &Settings, seen: &[SeenSurface]) -> Vec3 {
-        let Some(first) = seen.first() else { return Vec3::ZERO };
-        let whole: f32 = seen.iter().map(|s| s.weight).sum();
-        let mean = |of: &dyn Fn(&SeenSurface) -> f64| {
-            seen.iter().map(|s| f64::from(s.weight / whole) * of(s)).sum::<f64>()
-        };
-        let origin = DVec3::new(mean(&|s| s.off().x), mean(&|s| s.off().y), mean(&|s| s.off().z));
-        let origin = if origin.is_finite() { origin } else { first.off() };
-        let flat = first.flat();
-        let coats = |direction: Vec3, end: f32, spread: f32| ShadowCone {
-            origin: origin + scene.rounding() * flat.as_dvec3(),
-            direction: direction.as_dvec3().normalize(),
-            start: 0.0,
-            end: f64::from(end),
-            cone: Cone { width: f64::from(first.width), spread: f64::from(spread) },
-            correlation: Correlation::NONE,
-        };
-        let is_shadowed = settings.shadows && scene.reach > 0.0;
-        let mut open = 1.0;
-        if is_shadowed {
-            // Wide cones through the coats around stand for the sky; under a coat that nearly hides the surface, one
-            // does, and the others come in gradually, so that no step shows.
-            let mut sky =
-                |up: Vec3| self.shadows.through_coats(scene, settings, &coats(up, scene.reach, SKY_SPREAD));
-            open = sky(flat);
-            let reached = mean(&|s| s.reached.into()) as f32;
-            let well = ((reached - HARDLY_SEEN[0]) / (HARDLY_SEEN[1] - HARDLY_SEEN[0])).clamp(0.0, 1.0);
-            if well > 0.0 {
-                let across = flat.any_orthonormal_vector();
-                let around = [across, -across, flat.cross(across), -flat.cross(across)];
-                let tilted: f32 = around.iter().map(|&side| sky((flat + side).normalize())).sum();
-                open += well * ((open + tilted) / 5.0 - open);
-            }
-        }
-        let mut radiance: Vec3 = seen.iter().map(|s| s.weight * s.unlit(scene, open)).sum();
-        for light in &scene.lights {
-            let mut reflected = Vec3::ZERO;
-            let mut towards = None;
-            for point in seen {
-                let Some(incoming) = light.incoming(point.hit.point.as_vec3()) else { continue };
-                let lit = point.reflected(scene, incoming.direction);
-                if lit == Vec3::ZERO || point.flat().dot(incoming.direction) <= 0.0 {
-                    continue;
-                }
-                if settings.shadows {
-                    // An edge of a shadow that an opaque mesh casts may pass between the points.
-                    let off = point.off() + scene.rounding() * point.flat().as_dvec3();
-                    let ray = Ray { origin: off, direction: incoming.direction.as_dvec3().normalize() };
-                    let ray = Ray { origin: ray.at(scene.rounding()), ..ray };
-                    if scene.surfaces.blocked(&ray, f64::from(incoming.distance) - scene.rounding()) {
-                        continue;
-                    }
-                }
-                reflected += point.weight * incoming.irradiance * lit;
-                towards = Some(incoming);
-            }
-            let Some(Incoming { direction, distance, spread, .. }) = towards else { continue };
-            let arriving = if is_shadowed {
-                self.shadows.through_coats(scene, settings, &coats(direction, distance, spread))
-            } else {
-                1.0
-            };
-            radiance += arriving * reflected;
-        }
-        radiance
-    }
 }
-
-impl SeenSurface {
-    /// Whether both lie on the same even piece of a surface, no further apart than a few of the cone's widths.
-    fn is_beside(&self, other: &Self) -> bool {
-        let [a, b] = [&self.hit, &other.hit];
-        let apart = (a.point - b.point).length() as f32;
-        a.material == b.material && self.flat().dot(other.flat()) > 0.95 && apart < 4.0 * self.width
-    }
-
-    /// 1 where the eye sees the front, −1 where the back: that is what it shows then.
-    fn side(&self) -> f32 {
-        if self.hit.geometric_normal.dot(-self.direction) < 0.0 { -1.0 } else { 1.0 }
-    }
-
-    /// The triangle's own normal on the side that is seen.
-    fn flat(&self) -> Vec3 {
-        self.side() * self.hit.geometric_normal
-    }
-
-    /// Where shadow cones start.
-    fn off(&self) -> DVec3 {
-        self.hit.lifted[usize::from(self.side() < 0.0)]
-    }
-
-    fn albedo(&self, scene: &Scene, material: &Material) -> Vec3 {
-        scene.colour_of(material, self.hit.uv, self.width * self.hit.uv_density)
-    }
-
-    /// What it sends to the eye without any light, of a sky of which the part `open` is open.
-    fn unlit(&self, scene: &Scene, open: f32) -> Vec3 {
-        let material = scene.material(self.hit.material);
-        let sky = scene.environment.mean_radiance(self.side() * self.hit.normal);
-        material.emissive + open * self.albedo(scene, material) * sky
-    }
-
-    /// What it sends to the eye of the light from a direction.
-    fn reflected(&self, scene: &Scene, to_light: Vec3) -> Vec3 {
-        let material = scene.material(self.hit.material);
-        let half = (to_light - self.direction).normalize_or_zero();
-        let normal = self.side() * self.hit.normal;
-        reflection(
-            self.albedo(scene, material),
-            material.specular,
-            material.exponent(),
-            normal,
-            to_light,
-            half,
-        )
-    }
-}
-
-/// Surfaces that less than the first part of a ray reaches are lit by one cone of sky, from the second part on by five.
-const HARDLY_SEEN: [f32; 2] = [0.05, 0.15];
 
 /// Widening of a cone that stands for a fifth of the sky.
-const SKY_SPREAD: f32 = 0.8;
+pub(super) const SKY_SPREAD: f32 = 0.8;
 
 /// Diffuse + specular of one normal, times the cosine to the light. The factor keeps the specular albedo at or
 /// under k_s. [method §7]
@@ -389,102 +185,6 @@ pub(crate) fn reflection(
         reflected += specular * norm * normal.dot(half).max(0.0).powf(m);
     }
     cosine * reflected
-}
-
-/// A part of what the eye sees of a voxel.
-struct Visible {
-    /// Unit normal on the seen side, scene space.
-    normal: Vec3,
-    color: Vec3,
-    /// How much of what is seen, up to a factor common to all.
-    weight: f32,
-    /// Which part of the voxel it is, if one.
-    point: Option<Point>,
-}
-
-/// What a voxel holds, by its number.
-#[derive(Clone, Copy)]
-enum Point {
-    Surfel(u32),
-    Lobe(u32),
-    Scatterer(u32),
-}
-
-/// How a voxel is looked at.
-struct Facing {
-    /// Unit vector to the eye, texel space.
-    view: Vec3,
-    /// J⁻ᵀ: carries normals into the scene.
-    cofactor: Mat3,
-    /// Multiplies its colours.
-    tint: Vec3,
-}
-
-impl Facing {
-    /// The surfels that the eye sees.
-    fn collect(&self, surfels: &[Surfel], visible: &mut Vec<Visible>) {
-        visible.clear();
-        let one = |(i, surfel): (usize, &Surfel)| {
-            let normal = surfel.normal();
-            Visible {
-                normal: (self.cofactor * normal).normalize_or_zero(),
-                color: surfel.color() * self.tint,
-                weight: surfel.weight() * normal.dot(self.view),
-                point: Some(Point::Surfel(i as u32)),
-            }
-        };
-        visible.extend(surfels.iter().enumerate().filter(|(_, s)| s.sees(self.view)).map(one));
-        // Seen through a gap that the masks are too coarse for.
-        if visible.is_empty() {
-            let faces = |(_, s): &(usize, &Surfel)| s.normal().dot(self.view) > 0.0;
-            visible.extend(surfels.iter().enumerate().filter(faces).map(one));
-        }
-    }
-
-    /// The lobes that are seen from here.
-    fn collect_lobes(&self, level: &Level, voxel: u32, visible: &mut Vec<Visible>) {
-        for (share, lobes) in level.lobes(voxel, self.view) {
-            let whole: f32 = lobes.clone().map(|i| level.lobe(i).weight()).sum();
-            visible.extend(lobes.map(|i| {
-                let lobe = level.lobe(i);
-                Visible {
-                    normal: (self.cofactor * lobe.normal()).normalize_or_zero(),
-                    color: lobe.color() * self.tint,
-                    weight: share * lobe.weight() / whole,
-                    point: Some(Point::Lobe(i)),
-                }
-            }));
-        }
-    }
-
-    /// The scatterers, by how much of each passes to the eye.
-    fn collect_scatterers(&self, scatterers: Scatterers, visible: &mut Vec<Visible>) {
-        visible.extend(scatterers.points().iter().enumerate().map(|(i, point)| Visible {
-            normal: (self.cofactor * point.normal()).normalize_or_zero(),
-            color: point.color() * self.tint,
-            // Where hardly anything passes, all count alike.
-            weight: point.weight() * scatterers.transmittance(i, self.view).max(1e-4),
-            point: Some(Point::Scatterer(i as u32)),
-        }));
-    }
-
-    /// `count` normals (1 to 16) of the visible half of the voxel's ellipsoid, equal parts of what is seen.
-    fn collect_ellipsoid(&self, voxel: &Voxel, count: u32, visible: &mut Vec<Visible>) {
-        visible.clear();
-        let seen = voxel.normals().visible(if self.view == Vec3::ZERO { Vec3::Z } else { self.view });
-        let count = count.clamp(1, 16);
-        for i in 0..count {
-            // The first `count` points of Hammersley's set, centred in their strata.
-            let x = (i as f32 + 0.5) / count as f32;
-            let y = (i.reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
-            visible.push(Visible {
-                normal: (self.cofactor * seen.sample([x, y.fract()])).normalize_or_zero(),
-                color: voxel.albedo * self.tint,
-                weight: 1.0,
-                point: None,
-            });
-        }
-    }
 }
 
 /// How quickly the ways to the eye and to the light part, beyond what the masks hold, in texel units: strands that stand
