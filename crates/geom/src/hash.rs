@@ -1,9 +1,9 @@
 //! One bijection of 64 bits in which every bit depends on all: what is drawn by place or number is drawn by it.
 
-/// What SplitMix64 adds to its state for each number: 2⁶⁴ over the golden ratio, odd. [Steele14]
+/// What SplitMix64 adds to its state for each number: 2⁶⁴ over the golden ratio, odd. \[Steele14\]
 pub const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The finaliser of SplitMix64. [Steele14]
+/// The finaliser of SplitMix64. \[Steele14\]
 #[inline]
 pub fn finish(z: u64) -> u64 {
     let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
