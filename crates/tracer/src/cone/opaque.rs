@@ -5,7 +5,7 @@ use pelage_geom::{Cone, Material, Ray};
 
 use super::composite::SeenSurface;
 use super::shade::{SKY_SPREAD, Shader, reflection};
-use super::shadow::{Correlation, ShadowCone};
+use super::shadow::{Correlation, ShadowCone, is_blocked};
 use crate::light::Incoming;
 use crate::{Scene, Settings};
 
@@ -66,8 +66,7 @@ impl Shader {
                     // An edge of a shadow that an opaque mesh casts may pass between the points.
                     let off = point.off() + scene.rounding() * point.flat().as_dvec3();
                     let ray = Ray { origin: off, direction: incoming.direction.as_dvec3().normalize() };
-                    let ray = Ray { origin: ray.at(scene.rounding()), ..ray };
-                    if scene.surfaces.blocked(&ray, f64::from(incoming.distance) - scene.rounding()) {
+                    if is_blocked(scene, &ray, f64::from(incoming.distance)) {
                         continue;
                     }
                 }

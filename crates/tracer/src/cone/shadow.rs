@@ -71,11 +71,8 @@ impl ShadowBuffers {
 
     /// The part of the light that arrives, in `[0, 1]`.
     pub fn transmittance(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
-        let ray = Ray { origin: shadow.origin, direction: shadow.direction };
         // Opaque meshes are no part of the voxel's own matter: they are asked from the point itself.
-        let off = scene.rounding();
-        let from_the_point = Ray { origin: ray.at(off), ..ray };
-        if scene.surfaces.blocked(&from_the_point, shadow.end - off) {
+        if is_blocked(scene, &Ray { origin: shadow.origin, direction: shadow.direction }, shadow.end) {
             return 0.0;
         }
         self.through_coats(scene, settings, shadow)
@@ -105,6 +102,12 @@ impl ShadowBuffers {
         }
         blend.transmittance()
     }
+}
+
+/// Whether an opaque mesh stands between the start of a ray, which may lie on one, and the distance `end`.
+pub(crate) fn is_blocked(scene: &Scene, ray: &Ray, end: f64) -> bool {
+    let off = scene.rounding();
+    scene.surfaces.blocked(&Ray { origin: ray.at(off), ..*ray }, end - off)
 }
 
 fn passed(trail: &Trail, piece: &Piece, settings: &Settings, correlation: Correlation) -> f32 {
