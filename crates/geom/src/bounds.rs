@@ -43,7 +43,7 @@ impl Certificate {
 /// Most boxes are decided at once. A determinant within rounding of zero counts as zero: a flat or collapsed box is
 /// [`Certificate::Folded`], as is one with corners that are not finite.
 pub fn certify(hexahedron: &Hexahedron, max_depth: u32) -> Certificate {
-    certify_map(hexahedron.map(), hexahedron.is_prism(), max_depth)
+    certify_map(&hexahedron.map(), hexahedron.is_prism(), max_depth)
 }
 
 /// The same for the map alone, where no hexahedron is at hand; `prism` says that only its half under u + v ≤ 1 counts.

@@ -1,12 +1,15 @@
 //! A box against a ray: where the ray is inside, in the scene and in the box's own coordinates.
 //!
-//! All faces are asked on the ray-space images of the box's corners ([`crate::wall`]). Each crossing says whether it
+//! All faces are asked on the ray-space images of the box's corners ([`crate::wall`]), which most boxes that a ray
+//! comes near leave nothing to be asked: they are beside it. The corners are kept in `f32`, by axis, so that the eight
+//! go through registers together; in `f64` from there on. Each crossing says whether it
 //! goes in or out, and the crossings of a closed surface cancel exactly, so sorting them by distance and counting
 //! gives the intervals inside, however often a bent box is entered and left.
 
 use core::ops::Deref;
 
 use glam::{DVec3, Vec3};
+use wide::f64x8;
 
 use crate::wall::{self, Order, RayFrame};
 use crate::{DTrilinear, Ray, Trilinear, WallHit};
@@ -24,10 +27,12 @@ use crate::{DTrilinear, Ray, Trilinear, WallHit};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hexahedron {
-    map: DTrilinear,
-    prism: bool,
+    /// By axis the coordinates of the corners A … H. Of a prism D is B again, and H is F, so that what holds for all
+    /// eight holds for its own six.
+    corners: [[f32; 8]; 3],
     /// The canonical order of each face, see [`wall::Order`].
     orders: [Order; 6],
+    prism: bool,
 }
 
 /// One interval of a ray inside a box.
@@ -53,7 +58,6 @@ impl Passages {
     const NONE: Self =
         Self { passages: [Passage { t: [0.0; 2], u: [DVec3::ZERO; 2] }; MOST_PASSAGES], count: 0 };
 
-    #[inline]
     fn push(&mut self, passage: Passage) {
         if let Some(slot) = self.passages.get_mut(self.count) {
             *slot = passage;
@@ -122,10 +126,6 @@ static PRISM: [Quad; 3] = [U0, V0, DIAGONAL];
 /// Base and top of a prism.
 const CAPS: [[usize; 3]; 2] = [[0, 1, 2], [4, 5, 6]];
 
-const CUBOID_CORNERS: u8 = 0b1111_1111;
-/// D and H only complete a prism's map.
-const PRISM_CORNERS: u8 = 0b0111_0111;
-
 /// A crossing of the box's surface.
 #[derive(Clone, Copy, Default)]
 struct Crossing {
@@ -135,41 +135,63 @@ struct Crossing {
     step: i8,
 }
 
-/// The crossings of one ray, twelve at most.
+/// The crossings of one ray by ascending distance, twelve at most.
 struct Crossings {
     list: [Crossing; 2 * MOST_PASSAGES],
     count: usize,
 }
 
 impl Crossings {
+    const NONE: Self =
+        Self { list: [Crossing { t: 0.0, u: DVec3::ZERO, step: 0 }; 2 * MOST_PASSAGES], count: 0 };
+
+    /// Inserts a crossing where its distance puts it: there are hardly ever more than two.
     #[inline]
-    fn push(&mut self, crossing: Crossing) {
-        if let Some(slot) = self.list.get_mut(self.count) {
-            *slot = crossing;
-            self.count += 1;
+    fn insert(&mut self, crossing: Crossing) {
+        let mut place = self.count.min(self.list.len() - 1);
+        self.count = place + 1;
+        while place > 0 && crossing.t < self.list[place - 1].t {
+            self.list[place] = self.list[place - 1];
+            place -= 1;
         }
+        self.list[place] = crossing;
     }
 }
 
-/// A box's corners in ray space, and on which side of the ray they are, a bit each.
+/// Every corner of a box, a bit each.
+const ALL: u8 = 0xff;
+
+/// A box's corners in ray space, by coordinate, and on which side of the ray they are, a bit each.
 struct Seen {
-    corners: [DVec3; 8],
+    x: f64x8,
+    y: f64x8,
+    z: f64x8,
     left: u8,
     right: u8,
     below: u8,
 }
 
 impl Seen {
+    /// The corners, unless all of the box is beside the ray, before `t_min` or behind `t_max`, or some of it is not
+    /// finite.
     #[inline]
-    fn new(map: &DTrilinear, frame: &RayFrame) -> Self {
-        let mut seen = Self { corners: [DVec3::ZERO; 8], left: 0, right: 0, below: 0 };
-        for (i, (place, corner)) in seen.corners.iter_mut().zip(&map.corners).enumerate() {
-            *place = frame.project(*corner);
-            seen.left |= u8::from(place.x < 0.0) << i;
-            seen.right |= u8::from(place.x > 0.0) << i;
-            seen.below |= u8::from(place.y < 0.0) << i;
+    fn new(corners: &[[f32; 8]; 3], frame: &RayFrame, t_min: f64, t_max: f64) -> Option<Self> {
+        let (origin, [x, y, z]) = (frame.ray().origin, corners);
+        let from = |o: f64, list: &[f32; 8]| f64x8::new(widened(list)) - f64x8::splat(o);
+        let (px, py, pz) = (from(origin.x, x), from(origin.y, y), from(origin.z, z));
+        let along = |e: DVec3| f64x8::splat(e.x) * px + f64x8::splat(e.y) * py + f64x8::splat(e.z) * pz;
+        let bits = |mask: f64x8| mask.to_bitmask() as u8;
+        let [across_x, across_y, forward] = frame.axes();
+        let (x, y) = (along(across_x), along(across_y));
+        let (left, right) = (bits(x.simd_lt(f64x8::ZERO)), bits(x.simd_gt(f64x8::ZERO)));
+        let below = bits(y.simd_lt(f64x8::ZERO));
+        if left == ALL || right == ALL || below == ALL || below == 0 {
+            return None;
         }
-        seen
+        let z = along(forward);
+        let (before, behind) = (bits(z.simd_lt(f64x8::splat(t_min))), bits(z.simd_gt(f64x8::splat(t_max))));
+        let meets = before != ALL && behind != ALL && z.reduce_add().is_finite();
+        meets.then_some(Self { x, y, z, left, right, below })
     }
 
     /// Whether the corners of `mask` are all on one side, so that they cannot surround the ray: every winding number
@@ -181,47 +203,55 @@ impl Seen {
             || self.below & mask == mask
             || self.below & mask == 0
     }
+}
 
-    /// Whether some of the corners of `mask` may lie between the distances, and all corners are finite.
-    #[inline]
-    fn is_between(&self, mask: u8, t_min: f64, t_max: f64) -> bool {
-        let (mut before, mut behind, mut sum) = (0_u8, 0_u8, DVec3::ZERO);
-        for (i, corner) in self.corners.iter().enumerate() {
-            before |= u8::from(corner.z < t_min) << i;
-            behind |= u8::from(corner.z > t_max) << i;
-            sum += *corner;
-        }
-        before & mask != mask && behind & mask != mask && sum.is_finite()
+#[inline]
+fn widened(list: &[f32; 8]) -> [f64; 8] {
+    let mut wide = [0.0; 8];
+    for (to, from) in wide.iter_mut().zip(list) {
+        *to = f64::from(*from);
     }
+    wide
 }
 
 impl Hexahedron {
     /// The whole of the box `map`.
     pub fn cuboid(map: Trilinear) -> Self {
-        Self::with_orders(map.into(), false)
+        Self::with_faces(map.corners, &CUBOID)
     }
 
     /// The box between the triangles `base` = A, B, C and `top` = E, F, G: the part u + v ≤ 1 of the map that is
     /// completed to parallelograms, D = B + C − A and H = F + G − E. It is linear in (u, v) at each w.
-    pub fn prism(base: [Vec3; 3], top: [Vec3; 3]) -> Self {
-        let [a, b, c] = base.map(|p| p.as_dvec3());
-        let [e, f, g] = top.map(|p| p.as_dvec3());
-        Self::with_orders(DTrilinear::new([a, b, c, b + c - a], [e, f, g, f + g - e]), true)
+    pub fn prism([a, b, c]: [Vec3; 3], [e, f, g]: [Vec3; 3]) -> Self {
+        Self { prism: true, ..Self::with_faces([a, b, c, b, e, f, g, f], &PRISM) }
     }
 
-    fn with_orders(map: DTrilinear, prism: bool) -> Self {
+    fn with_faces(points: [Vec3; 8], faces: &[Quad]) -> Self {
         let mut orders = [Order::default(); 6];
-        let faces: &[Quad] = if prism { &PRISM } else { &CUBOID };
         for (order, face) in orders.iter_mut().zip(faces) {
-            *order = Order::canonical(&face.corners.map(|i| map.corners[i]));
+            *order = Order::canonical(&face.corners.map(|i| points[i].to_array()));
         }
-        Self { map, prism, orders }
+        let mut corners = [[0.0; 8]; 3];
+        for (i, point) in points.iter().enumerate() {
+            (corners[0][i], corners[1][i], corners[2][i]) = (point.x, point.y, point.z);
+        }
+        Self { corners, orders, prism: false }
     }
 
     /// The trilinear map. Of a prism only the half u + v ≤ 1 is the box.
     #[inline]
-    pub fn map(&self) -> &DTrilinear {
-        &self.map
+    pub fn map(&self) -> DTrilinear {
+        let [x, y, z] = &self.corners;
+        let (x, y, z) = (widened(x), widened(y), widened(z));
+        let mut corners = [DVec3::ZERO; 8];
+        for (i, corner) in corners.iter_mut().enumerate() {
+            *corner = DVec3::new(x[i], y[i], z[i]);
+        }
+        if self.prism {
+            let [a, b, c, _, e, f, g, _] = corners;
+            (corners[3], corners[7]) = (b + c - a, f + g - e);
+        }
+        DTrilinear { corners }
     }
 
     /// Whether the box stands on a triangle.
@@ -232,20 +262,15 @@ impl Hexahedron {
 
     /// The smallest and largest coordinates of the box, in scene units.
     pub fn bounds(&self) -> [DVec3; 2] {
-        let corners = self.map.corners;
-        let first = corners[0];
-        self.corner_indices().fold([first; 2], |[lo, hi], i| [lo.min(corners[i]), hi.max(corners[i])])
+        [f32::min, f32::max].map(|pick| {
+            DVec3::from_array(self.corners.map(|list| list.into_iter().reduce(pick).map_or(0.0, f64::from)))
+        })
     }
 
     /// Whether the scene point `x` lies in the box or on its surface, up to 1e-9 of its size.
     pub fn contains(&self, x: DVec3) -> bool {
         const TOLERANCE: f64 = 1e-9;
-        self.map.inverse(x, TOLERANCE).is_ok_and(|u| !self.prism || u.x + u.y <= 1.0 + TOLERANCE)
-    }
-
-    fn corner_indices(&self) -> impl Iterator<Item = usize> {
-        let mask = if self.prism { PRISM_CORNERS } else { CUBOID_CORNERS };
-        (0..8).filter(move |i| mask >> i & 1 != 0)
+        self.map().inverse(x, TOLERANCE).is_ok_and(|u| !self.prism || u.x + u.y <= 1.0 + TOLERANCE)
     }
 
     /// The intervals of `ray` inside the box, cut to distances between `t_min` and `t_max`.
@@ -255,58 +280,55 @@ impl Hexahedron {
     /// share a face give the same bits for the distance of a crossing there. A box without volume has passages as
     /// long as rounding makes them, or none; one with corners that are not finite has none.
     pub fn passages(&self, ray: &Ray, t_min: f64, t_max: f64) -> Passages {
-        self.passages_in(&RayFrame::new(ray), t_min, t_max)
+        let mut passages = Passages::NONE;
+        self.passages_in(&RayFrame::new(ray), t_min, t_max, |passage| passages.push(passage));
+        passages
     }
 
-    /// As [`passages`](Self::passages), for a ray that is asked of many boxes.
-    pub fn passages_in(&self, frame: &RayFrame, t_min: f64, t_max: f64) -> Passages {
-        let mut passages = Passages::NONE;
-        let ray = frame.ray();
-        let seen = Seen::new(&self.map, frame);
-        let all = if self.prism { PRISM_CORNERS } else { CUBOID_CORNERS };
-        if seen.aside(all) || !seen.is_between(all, t_min, t_max) {
-            return passages;
-        }
-        let mut crossings = Crossings { list: [Crossing::default(); 2 * MOST_PASSAGES], count: 0 };
+    /// As [`passages`](Self::passages), for a ray that is asked of many boxes: calls `visit` for one passage after the
+    /// other.
+    #[inline]
+    pub fn passages_in(&self, frame: &RayFrame, t_min: f64, t_max: f64, mut visit: impl FnMut(Passage)) {
+        let Some(seen) = Seen::new(&self.corners, frame, t_min, t_max) else { return };
+        let mut crossings = Crossings::NONE;
         self.cross(&seen, &mut crossings);
-        let Some(list) = crossings.list.get_mut(..crossings.count) else { return passages };
-        list.sort_unstable_by(|x, y| x.t.total_cmp(&y.t));
         let mut depth = 0;
-        for pair in list.windows(2) {
+        for pair in crossings.list[..crossings.count].windows(2) {
             let [enter, exit] = [&pair[0], &pair[1]];
             depth += enter.step;
             // A mirrored box counts downwards.
             let t = [enter.t.max(t_min), exit.t.min(t_max)];
             if depth != 0 && t[0] < t[1] {
-                let end = |t, end: &Crossing| if t == end.t { end.u } else { self.cut(ray, t, enter, exit) };
-                passages.push(Passage { t, u: [end(t[0], enter), end(t[1], exit)] });
+                let end = |t, end: &Crossing| {
+                    if t == end.t { end.u } else { self.cut(frame.ray(), t, enter, exit) }
+                };
+                visit(Passage { t, u: [end(t[0], enter), end(t[1], exit)] });
             }
         }
-        passages
     }
 
     /// All crossings of the box's surface, face by face.
     #[inline]
     fn cross(&self, seen: &Seen, crossings: &mut Crossings) {
+        let (x, y, z) = (seen.x.to_array(), seen.y.to_array(), seen.z.to_array());
+        let corner = |i: usize| DVec3::new(x[i], y[i], z[i]);
         let faces: &[Quad] = if self.prism { &PRISM } else { &CUBOID };
         for (face, order) in faces.iter().zip(self.orders) {
             if seen.aside(face.mask) {
                 continue;
             }
             let [a, b, c, d] = order.arrange(&face.corners);
-            let corners = [seen.corners[a], seen.corners[b], seen.corners[c], seen.corners[d]];
-            for &hit in wall::crossings(&corners).iter() {
+            wall::crossings(&[corner(a), corner(b), corner(c), corner(d)], |hit| {
                 let WallHit { t, a, b, side } = order.restore(hit);
                 let step = if face.outward { -side } else { side };
-                crossings.push(Crossing { t, u: face.place.coordinates(a, b), step });
-            }
+                crossings.insert(Crossing { t, u: face.place.coordinates(a, b), step });
+            });
         }
         if self.prism {
             for (w, &[a, b, c]) in CAPS.iter().enumerate() {
-                let corners = [seen.corners[a], seen.corners[b], seen.corners[c]];
-                if let Some((t, weights, side)) = wall::triangle_crossing(corners) {
+                if let Some((t, weights, side)) = wall::triangle_crossing([corner(a), corner(b), corner(c)]) {
                     let step = if w == 0 { side } else { -side };
-                    crossings.push(Crossing { t, u: DVec3::new(weights.y, weights.z, w as f64), step });
+                    crossings.insert(Crossing { t, u: DVec3::new(weights.y, weights.z, w as f64), step });
                 }
             }
         }
@@ -314,10 +336,11 @@ impl Hexahedron {
 
     /// Box coordinates where the ray is at `t`, between two crossings.
     fn cut(&self, ray: &Ray, t: f64, enter: &Crossing, exit: &Crossing) -> DVec3 {
-        const TOLERANCE: f64 = 1e-12;
+        // The last step squares what is left.
+        const TOLERANCE: f64 = 1e-6;
         let chord = enter.u.lerp(exit.u, (t - enter.t) / (exit.t - enter.t));
         // The point is inside, so the inverse exists; a box that is singular there keeps the chord.
-        let found = self.map.inverse_extended(ray.at(t), chord, TOLERANCE);
+        let found = self.map().inverse_extended(ray.at(t), chord, TOLERANCE);
         found.unwrap_or(chord).clamp(DVec3::ZERO, DVec3::ONE)
     }
 }

@@ -43,17 +43,22 @@ impl WallHits {
     /// No hit.
     pub const NONE: Self = Self { hits: [WallHit { t: 0.0, a: 0.0, b: 0.0, side: 0 }; 2], count: 0 };
 
-    fn one(hit: WallHit) -> Self {
-        Self { hits: [hit; 2], count: 1 }
+    /// Of one wall at most two are found.
+    fn insert(&mut self, hit: WallHit) {
+        let [first, second] = &mut self.hits;
+        if self.count == 0 || hit.t < first.t {
+            (*first, *second) = (hit, *first);
+        } else {
+            *second = hit;
+        }
+        self.count += 1;
     }
 
-    fn two(first: WallHit, second: WallHit) -> Self {
-        Self { hits: if second.t < first.t { [second, first] } else { [first, second] }, count: 2 }
-    }
-
-    fn map(mut self, f: impl Fn(WallHit) -> WallHit) -> Self {
-        self.hits = self.hits.map(f);
-        self
+    /// The crossings of a wall whose corners, in ray space, are `p`.
+    fn of(p: &[DVec3; 4]) -> Self {
+        let mut hits = Self::NONE;
+        crossings(p, |hit| hits.insert(hit));
+        hits
     }
 }
 
@@ -88,6 +93,12 @@ impl RayFrame {
         &self.ray
     }
 
+    /// The directions of x, y and t.
+    #[inline]
+    pub(crate) fn axes(&self) -> [DVec3; 3] {
+        [self.across[0], self.across[1], self.ray.direction]
+    }
+
     /// Where the scene point `p` lies: x and y across the ray, z along it.
     #[inline]
     pub fn project(&self, p: DVec3) -> DVec3 {
@@ -104,8 +115,10 @@ impl RayFrame {
 #[inline]
 pub fn wall_hits(ray: &Ray, p: [DVec3; 4]) -> WallHits {
     let frame = RayFrame::new(ray);
-    let order = Order::canonical(&p);
-    crossings(&order.arrange(&p).map(|corner| frame.project(corner))).map(|hit| order.restore(hit))
+    let order = Order::canonical(&p.map(|corner| corner.to_array()));
+    let mut hits = WallHits::of(&order.arrange(&p).map(|corner| frame.project(corner)));
+    hits.hits = hits.hits.map(|hit| order.restore(hit));
+    hits
 }
 
 /// One of the eight orders in which the same wall can be told: its corners mirrored in `a` (bit 0), in `b` (bit 1),
@@ -116,18 +129,18 @@ pub(crate) struct Order(u8);
 impl Order {
     /// The order whose first corner is the lexicographically smallest, and whose second is the smaller neighbour;
     /// corners that coincide are told apart by the ones after them.
-    pub(crate) fn canonical(p: &[DVec3; 4]) -> Self {
-        let p = p.map(|c| c.to_array());
+    #[inline]
+    pub(crate) fn canonical<T: PartialOrd + Copy>(p: &[[T; 3]; 4]) -> Self {
         let first = (1..4).fold(0, |first, i| if p[i] < p[first] { i } else { first });
         if (0..4).any(|i| i != first && p[i] == p[first]) {
-            return Self::least(&p);
+            return Self::least(p);
         }
         let transposed = p[first ^ 2] < p[first ^ 1];
         Self(first as u8 | u8::from(transposed) << 2)
     }
 
     /// The order with the lexicographically least corners, by trying all.
-    fn least(p: &[[f64; 3]; 4]) -> Self {
+    fn least<T: PartialOrd + Copy>(p: &[[T; 3]; 4]) -> Self {
         (1..8).map(Self).fold(
             Self(0),
             |best, order| {
@@ -245,13 +258,19 @@ impl Quadratic {
     }
 }
 
-/// Crossings of the ray with a wall whose corners, in ray space, are in canonical order.
+/// Calls `found` for the crossings of the ray with a wall whose corners, in ray space, are in canonical order.
 #[inline]
-pub(crate) fn crossings(p: &[DVec3; 4]) -> WallHits {
+pub(crate) fn crossings(p: &[DVec3; 4], mut found: impl FnMut(WallHit)) {
     let [p00, p10, p01, p11] = *p;
     let winding =
         edge_winding(p00, p10) + edge_winding(p10, p11) + edge_winding(p11, p01) + edge_winding(p01, p00);
-    if winding == 0 { to_and_fro(p) } else { WallHits::one(single(p, winding)) }
+    if winding == 0 {
+        if let Some(hits) = to_and_fro(p) {
+            hits.into_iter().for_each(found);
+        }
+    } else {
+        found(single(p, winding));
+    }
 }
 
 /// The one crossing, to the side `winding`, of a wall that is known to be crossed.
@@ -285,28 +304,24 @@ fn into_unit(x: f64) -> f64 {
 
 /// Both crossings of a wall that is crossed twice or not at all.
 #[inline]
-fn to_and_fro(p: &[DVec3; 4]) -> WallHits {
+fn to_and_fro(p: &[DVec3; 4]) -> Option<[WallHit; 2]> {
     let wall = Quadratic::new(p);
     let [_, q1, q2] = wall.q;
     // Two roots in range have their mean −q1/(2 q2) there too; this also refuses the walls that are not twisted.
     let may_be = q1 * q2 < 0.0 && q1.abs() < 2.0 * q2.abs();
     if !(may_be && wall.discriminant() > 0.0) {
-        return WallHits::NONE;
+        return None;
     }
     let roots = wall.roots();
     let b = [wall.b(roots[0]), wall.b(roots[1])];
     // Positive inside. In exact arithmetic the two agree in sign; where rounding parts them the clearer one decides.
     let depth = |i: usize| roots[i].min(1.0 - roots[i]).min(b[i].min(1.0 - b[i]));
     if !((b[0] + b[1]).is_finite() && depth(0) + depth(1) > 0.0) {
-        return WallHits::NONE;
+        return None;
     }
     let hit = |i: usize, side: i8| wall.hit(roots[i].clamp(0.0, 1.0), b[i].clamp(0.0, 1.0), side);
     let (first, second) = (hit(0, -wall.side()), hit(1, wall.side()));
-    if wall.is_on_ray(&first) && wall.is_on_ray(&second) {
-        WallHits::two(first, second)
-    } else {
-        WallHits::NONE
-    }
+    (wall.is_on_ray(&first) && wall.is_on_ray(&second)).then_some([first, second])
 }
 
 /// Where a ray meets a triangle in ray space, as the weights of its corners, with distance and side.
@@ -348,6 +363,6 @@ impl RaySpace {
         }
         let (p, q) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
         let corner = |i: usize| self.map.corners[i].lerp(self.map.corners[i | 1 << axis], c);
-        crossings(&[corner(0), corner(p), corner(q), corner(p | q)])
+        WallHits::of(&[corner(0), corner(p), corner(q), corner(p | q)])
     }
 }

@@ -83,7 +83,7 @@ pub(crate) fn cover(
     report.turned_normals = among_used(&turned).len();
 
     let wanted = Wanted { base: &base, top: &full, upright: None };
-    let settled = settle(wanted, &patches, &options.mending());
+    let settled = settle(wanted, &patches, |_| false, &options.mending());
     if let (Folds::Refuse, Some(&first)) = (options.folds, settled.folds.first()) {
         return Err(SkinError::Folded { mesh: mesh.name.clone(), count: settled.folds.len(), first });
     }

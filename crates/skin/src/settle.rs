@@ -6,7 +6,7 @@ use pelage_geom::certify_map;
 use rayon::prelude::*;
 
 use crate::patch::map;
-use crate::validate::{fault, faults};
+use crate::validate::fault;
 use crate::{Fold, Folds, Mending, Outcome, Patch, Skin};
 
 /// By how much a vector is shortened at a time.
@@ -95,11 +95,22 @@ fn turned_back(vector: Vec3, upright: Vec3, turns: u8) -> Vec3 {
 /// are turned back one step; otherwise they are shortened. A box that would be folded even when it is upright and at
 /// its shortest is left out at once, so that its neighbours are not mended for nothing. Every round changes a
 /// vector or leaves out a box, and a box whose vectors have given way altogether is valid or left out: so it ends.
-pub(crate) fn settle(wanted: Wanted, patches: &[Patch], mending: &Mending) -> Settled {
+///
+/// The boxes over patches that `are_valid` where they are wanted are not asked for it again.
+pub(crate) fn settle(
+    wanted: Wanted,
+    patches: &[Patch],
+    are_valid: impl Fn(usize) -> bool + Sync,
+    mending: &Mending,
+) -> Settled {
     let Wanted { base, top: full, upright } = wanted;
     let depth = mending.certificate_depth;
     let mut settled = Settled::as_wanted(full.to_vec(), patches.len());
-    let found = faults(patches, base, full, depth);
+    let found: Vec<Fold> = (0..patches.len())
+        .into_par_iter()
+        .filter(|&i| !are_valid(i))
+        .filter_map(|i| fault(i, &patches[i], base, full, depth))
+        .collect();
     if found.is_empty() || matches!(mending.folds, Folds::Refuse | Folds::Keep) {
         return Settled { folds: found, ..settled };
     }
@@ -124,8 +135,13 @@ pub(crate) fn settle(wanted: Wanted, patches: &[Patch], mending: &Mending) -> Se
         certify_map(&map(&vertices, &base, &top), patch.is_prism(), depth).is_valid()
     };
     let mut folds = vec![None; patches.len()];
-    // What was changed in the last round, and the first time everything.
-    let mut changed = vec![true; base.len()];
+    // What was changed in the last round, and the first time what is folded.
+    let mut changed = vec![false; base.len()];
+    for fold in &found {
+        if let Outcome::Found { patch } = fold.outcome {
+            patches[patch as usize].corners().iter().for_each(|&v| changed[v as usize] = true);
+        }
+    }
     loop {
         let folded: Vec<(usize, Fold, bool)> = (0..patches.len())
             .into_par_iter()

@@ -62,7 +62,8 @@ impl Skin {
         let top: Vec<Vec3> = base.par_iter().zip(vectors).map(|(b, v)| *b + *v).collect();
         let folds = if mending.folds == Folds::LeaveOut { Folds::Refuse } else { mending.folds };
         let mending = Mending { folds, ..*mending };
-        let settled = settle(Wanted { base, top: &top, upright: Some(&carried) }, &self.patches, &mending);
+        let settled =
+            settle(Wanted { base, top: &top, upright: Some(&carried) }, &self.patches, |_| false, &mending);
         let unmended = settled.kept.contains(&false) || folds == Folds::Refuse;
         if let (true, Some(&first)) = (unmended, settled.folds.first()) {
             return Err(SkinError::StillFolded { count: settled.folds.len(), first });

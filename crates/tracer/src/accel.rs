@@ -1,7 +1,7 @@
 //! The bounding volume hierarchies: the one file that knows obvhs. [`Accel`] answers rays one by one; [`Tree`] is
 //! walked from outside.
 
-use std::collections::HashMap;
+use std::ops::Range;
 use std::time::Duration;
 
 use glam::{Vec3, Vec3A};
@@ -11,35 +11,41 @@ use obvhs::bvh2::{builder::build_bvh2, node::Bvh2Node};
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::ray::{Ray as BvhRay, RayHit};
 use pelage_geom::Ray;
+use rayon::prelude::*;
+
+use crate::hash::Drawn;
+
+/// obvhs lets a ray meet nothing nearer to its origin than .0001 scene units: it starts that much before, and more.
+const RUN_UP: f64 = 2e-4;
 
 /// Finds the primitives whose bounds a ray may meet.
 pub(crate) struct Accel {
     bvh: CwBvh,
-    /// Primitives by leaf: leaf `i` of the tree holds `members[first[i]..first[i + 1]]`.
-    first: Vec<u32>,
-    members: Vec<u32>,
+    members: Members,
     /// The largest coordinate in magnitude, in scene units: what the rounding of a ray to `f32` scales with.
     extent: f64,
 }
 
 impl Accel {
     /// Builds the tree over finite bounds.
-    pub(crate) fn new(bounds: &[[Vec3; 2]]) -> Self {
-        let Leaves { bounds: leaves, leaf_of, extent } = Leaves::new(bounds);
-        let bvh = if leaves.is_empty() {
-            CwBvh::default()
-        } else {
-            build_cwbvh(&leaves, BvhBuildParams::medium_build(), &mut Duration::default())
+    pub(crate) fn new(bounds: Vec<[Vec3; 2]>) -> Self {
+        let Leaves { bounds: leaves, leaf_of, extent } = Leaves::new(&bounds);
+        drop(bounds);
+        // One a leaf: to ask a box whose own bounds the ray does not meet costs more than a leaf.
+        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::medium_build() };
+        let mut bvh = match leaves.as_slice() {
+            [] => CwBvh::default(),
+            leaves => build_cwbvh(leaves, params, &mut Duration::default()),
         };
-        let (first, members) = in_order(&leaf_of, &bvh.primitive_indices);
-        Self { bvh, first, members, extent: f64::from(extent) }
+        let members = Members::new(&leaf_of, std::mem::take(&mut bvh.primitive_indices));
+        Self { bvh, members, extent: f64::from(extent) }
     }
 
     /// Calls `visit` for every primitive whose bounds the ray may meet before `t_max`, in no particular order.
     pub(crate) fn candidates(&self, ray: &Ray, t_max: f64, mut visit: impl FnMut(u32)) {
         if let Some((ray, _)) = self.bvh_ray(ray, t_max) {
             self.bvh.ray_traverse_anyhit(ray, |_, leaf| {
-                for &primitive in self.members_of(leaf) {
+                for &primitive in self.members.of(leaf..leaf + 1) {
                     visit(primitive);
                 }
             });
@@ -59,7 +65,7 @@ impl Accel {
         let mut closest: Option<(f64, u32)> = None;
         self.bvh.ray_traverse(bvh_ray, &mut RayHit::none(), |bvh_ray, leaf| {
             let mut end = bvh_ray.tmax;
-            for &primitive in self.members_of(leaf) {
+            for &primitive in self.members.of(leaf..leaf + 1) {
                 let limit = closest.map_or(t_max, |(t, _)| t);
                 // Equal distances are let through, so that the order of the tree decides nothing.
                 if let Some(t) = intersect(primitive, limit.next_up().min(t_max))
@@ -83,22 +89,22 @@ impl Accel {
     ) -> bool {
         let Some((bvh_ray, _)) = self.bvh_ray(ray, t_max) else { return false };
         !self.bvh.ray_traverse_miss(bvh_ray, |bvh_ray, leaf| {
-            let hit = self.members_of(leaf).iter().any(|&primitive| intersect(primitive, t_max).is_some());
+            let hit = self
+                .members
+                .of(leaf..leaf + 1)
+                .iter()
+                .any(|&primitive| intersect(primitive, t_max).is_some());
             if hit { -1.0 } else { bvh_ray.tmax }
         })
-    }
-
-    fn members_of(&self, leaf: usize) -> &[u32] {
-        &self.members[self.first[leaf] as usize..self.first[leaf + 1] as usize]
     }
 
     /// The ray in the tree's precision, started close to the tree: far away, an `f32` origin would miss by more
     /// than the margin. Also returns how far the origin has moved. `None` where the ray cannot meet the tree.
     fn bvh_ray(&self, ray: &Ray, t_max: f64) -> Option<(BvhRay, f64)> {
-        if self.members.is_empty() {
+        if self.bvh.nodes.is_empty() {
             return None;
         }
-        let start = (ray.origin.length() - 2.0 * self.extent).clamp(0.0, t_max.max(0.0));
+        let start = (ray.origin.length() - 2.0 * self.extent).clamp(0.0, t_max.max(0.0)) - RUN_UP;
         let origin = ray.at(start).as_vec3a();
         // Adding 0 makes −0 of it 0: obvhs takes the signs of −0 and of its inverse for different ones.
         let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
@@ -114,15 +120,15 @@ impl Accel {
 pub(crate) struct Tree {
     /// The root first; none for a tree over nothing.
     pub nodes: Vec<Node>,
-    /// Primitives, as leaves name them.
-    members: Vec<u32>,
+    members: Members,
 }
 
 /// A node of a [`Tree`].
 pub(crate) struct Node {
     /// The smallest and largest coordinates below it, a few units in the last place apart from what they bound.
     pub bounds: [Vec3A; 2],
-    /// Of a leaf its members; of an inner node its first child, the second following it, and 0.
+    /// Of a leaf its first place among the tree's leaves, and how many it takes; of an inner node its first child,
+    /// the second following it, and 0.
     first: u32,
     count: u32,
 }
@@ -132,19 +138,16 @@ impl Tree {
     pub(crate) fn new(bounds: &[[Vec3; 2]]) -> Self {
         let Leaves { bounds: leaves, leaf_of, .. } = Leaves::new(bounds);
         if leaves.is_empty() {
-            return Self { nodes: vec![], members: vec![] };
+            return Self { nodes: vec![], members: Members::new(&[], vec![]) };
         }
         let bvh = build_bvh2(&leaves, BvhBuildParams::medium_build(), &mut Duration::default());
-        let (first, members) = in_order(&leaf_of, &bvh.primitive_indices);
-        let node = |n: &Bvh2Node| {
-            let bounds = [n.aabb.min, n.aabb.max];
-            if n.prim_count == 0 {
-                return Node { bounds, first: n.first_index, count: 0 };
-            }
-            let begin = first[n.first_index as usize];
-            Node { bounds, first: begin, count: first[(n.first_index + n.prim_count) as usize] - begin }
+        let node = |n: &Bvh2Node| Node {
+            bounds: [n.aabb.min, n.aabb.max],
+            first: n.first_index,
+            count: n.prim_count,
         };
-        Self { nodes: bvh.nodes.iter().map(node).collect(), members }
+        let nodes = bvh.nodes.iter().map(node).collect();
+        Self { nodes, members: Members::new(&leaf_of, bvh.primitive_indices) }
     }
 
     /// The two nodes below a node, if it is not a leaf.
@@ -154,12 +157,12 @@ impl Tree {
 
     /// The primitives of a leaf.
     pub(crate) fn members_of(&self, node: &Node) -> &[u32] {
-        &self.members[node.first as usize..(node.first + node.count) as usize]
+        self.members.of(node.first as usize..(node.first + node.count) as usize)
     }
 
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.members.as_slice())
+        size_of_val(self.nodes.as_slice()) + self.members.memory()
     }
 }
 
@@ -175,49 +178,92 @@ struct Leaves {
 
 impl Leaves {
     fn new(bounds: &[[Vec3; 2]]) -> Self {
-        let mut known: HashMap<[u32; 6], u32> = HashMap::with_capacity(bounds.len());
-        let mut leaves: Vec<Aabb> = Vec::with_capacity(bounds.len());
-        let mut leaf_of: Vec<u32> = Vec::with_capacity(bounds.len());
-        let mut extent = 0.0_f32;
-        for &[lo, hi] in bounds {
-            let key = [lo.x, lo.y, lo.z, hi.x, hi.y, hi.z].map(f32::to_bits);
-            leaf_of.push(*known.entry(key).or_insert_with(|| {
-                leaves.push(Aabb::new(Vec3A::from(lo), Vec3A::from(hi)));
-                leaves.len() as u32 - 1
-            }));
-            extent = extent.max(lo.abs().max(hi.abs()).max_element());
-        }
+        let first = first_alike(bounds);
         // A few units in the last place around each box make up for the rounding of the ray to `f32`.
+        let extent = bounds.par_iter().map(|[lo, hi]| lo.abs().max(hi.abs()).max_element());
+        let extent = extent.reduce(|| 0.0, f32::max);
         let margin = Vec3A::splat(8.0 * f32::EPSILON * extent);
-        for b in &mut leaves {
-            *b = Aabb::new(b.min - margin, b.max + margin);
+        let mut leaves = Vec::with_capacity(bounds.len());
+        let mut leaf_of: Vec<u32> = Vec::with_capacity(bounds.len());
+        for (i, (&[lo, hi], &first)) in bounds.iter().zip(&first).enumerate() {
+            if first as usize == i {
+                leaf_of.push(leaves.len() as u32);
+                leaves.push(Aabb::new(Vec3A::from(lo) - margin, Vec3A::from(hi) + margin));
+            } else {
+                leaf_of.push(leaf_of[first as usize]);
+            }
         }
         Self { bounds: leaves, leaf_of, extent }
     }
 }
 
-/// Primitives in the order of the tree's leaves, so that its own indices lead straight to them: leaf `i` of the tree
-/// holds `members[first[i]..first[i + 1]]`.
-fn in_order(leaf_of: &[u32], tree: &[u32]) -> (Vec<u32>, Vec<u32>) {
-    let mut place = vec![0_u32; tree.len()];
-    for (position, &i) in tree.iter().enumerate() {
-        place[i as usize] = position as u32;
+/// By primitive the first one with the same bounds.
+fn first_alike(bounds: &[[Vec3; 2]]) -> Vec<u32> {
+    let hash = |[lo, hi]: &[Vec3; 2]| {
+        let word = |x: f32, y: f32| u64::from(x.to_bits()) << 32 | u64::from(y.to_bits());
+        Drawn::from([word(lo.x, lo.y), word(lo.z, hi.x), word(hi.y, hi.z)]).bits()
+    };
+    let mut hashed: Vec<(u64, u32)> =
+        bounds.par_iter().enumerate().map(|(i, bounds)| (hash(bounds), i as u32)).collect();
+    hashed.par_sort_unstable();
+    let mut first: Vec<u32> = (0..bounds.len() as u32).collect();
+    for (&(one, i), &(other, j)) in hashed.iter().zip(hashed.iter().skip(1)) {
+        if one == other && bounds[i as usize] == bounds[j as usize] {
+            first[j as usize] = first[i as usize];
+        }
     }
-    let mut first = vec![0_u32; tree.len() + 1];
-    for &l in leaf_of {
-        first[place[l as usize] as usize + 1] += 1;
+    first
+}
+
+/// Primitives in the order of the tree's leaves, so that its own indices lead straight to them.
+struct Members {
+    /// Leaf `i` of the tree holds `list[first[i]..first[i + 1]]`; empty where each leaf holds one.
+    first: Vec<u32>,
+    list: Vec<u32>,
+}
+
+impl Members {
+    /// `leaf_of` tells by primitive which leaf it was given to the builder with, `order` in which order the builder has
+    /// put those.
+    fn new(leaf_of: &[u32], order: Vec<u32>) -> Self {
+        if order.len() == leaf_of.len() {
+            return Self { first: vec![], list: order };
+        }
+        let mut place = vec![0_u32; order.len()];
+        for (position, &i) in order.iter().enumerate() {
+            place[i as usize] = position as u32;
+        }
+        let mut first = vec![0_u32; order.len() + 1];
+        for &l in leaf_of {
+            first[place[l as usize] as usize + 1] += 1;
+        }
+        for i in 1..first.len() {
+            first[i] += first[i - 1];
+        }
+        let mut next = first.clone();
+        let mut list = vec![0_u32; leaf_of.len()];
+        for (primitive, &l) in leaf_of.iter().enumerate() {
+            let slot = &mut next[place[l as usize] as usize];
+            list[*slot as usize] = primitive as u32;
+            *slot += 1;
+        }
+        Self { first, list }
     }
-    for i in 1..first.len() {
-        first[i] += first[i - 1];
+
+    /// The primitives in some leaves.
+    #[inline]
+    fn of(&self, leaves: Range<usize>) -> &[u32] {
+        if self.first.is_empty() {
+            &self.list[leaves]
+        } else {
+            &self.list[self.first[leaves.start] as usize..self.first[leaves.end] as usize]
+        }
     }
-    let mut next = first.clone();
-    let mut members = vec![0_u32; leaf_of.len()];
-    for (primitive, &l) in leaf_of.iter().enumerate() {
-        let slot = &mut next[place[l as usize] as usize];
-        members[*slot as usize] = primitive as u32;
-        *slot += 1;
+
+    /// Bytes held.
+    fn memory(&self) -> usize {
+        size_of_val(self.first.as_slice()) + size_of_val(self.list.as_slice())
     }
-    (first, members)
 }
 
 #[cfg(test)]
@@ -240,13 +286,22 @@ mod tests {
     fn nothing_one_and_all_the_same() {
         let x = DVec3::X;
         let from = DVec3::new(-5.0, 0.5, 0.5);
-        assert!(visited(&Accel::new(&[]), from, x, f64::INFINITY).is_empty());
-        let one = Accel::new(&[unit_box(Vec3::ZERO)]);
+        assert!(visited(&Accel::new(vec![]), from, x, f64::INFINITY).is_empty());
+        let one = Accel::new(vec![unit_box(Vec3::ZERO)]);
         assert_eq!(visited(&one, from, x, f64::INFINITY), [0]);
         assert!(visited(&one, from, x, 4.0).is_empty());
         assert!(visited(&one, from, -x, f64::INFINITY).is_empty());
-        let same = Accel::new(&[unit_box(Vec3::ZERO); 20_000]);
+        let same = Accel::new(vec![unit_box(Vec3::ZERO); 20_000]);
         assert_eq!(visited(&same, from, x, f64::INFINITY).len(), 20_000);
+    }
+
+    #[test]
+    fn what_ends_close_to_the_start_of_a_ray_is_found() {
+        let one = Accel::new(vec![unit_box(Vec3::ZERO)]);
+        assert_eq!(visited(&one, DVec3::new(1.0 - 1e-5, 0.5, 0.5), DVec3::X, f64::INFINITY), [0]);
+        // And what is so small that all of it is close.
+        let small = Accel::new(vec![[Vec3::ZERO, Vec3::splat(1e-6)]]);
+        assert_eq!(visited(&small, DVec3::new(-1e-6, 5e-7, 5e-7), DVec3::X, 1e-5), [0]);
     }
 
     #[test]
@@ -255,7 +310,7 @@ mod tests {
         let bounds: Vec<_> = (0..400)
             .map(|i| unit_box(Vec3::new((i % 20) as f32 * 1.5, 0.0, (i / 20) as f32 * 1.5)))
             .collect();
-        let accel = Accel::new(&bounds);
+        let accel = Accel::new(bounds.clone());
         for i in 0..2000_u32 {
             let a = f64::from(i) * 2.399_963;
             let target = DVec3::new(15.0 + 14.0 * a.cos(), 0.5, 15.0 + 14.0 * (1.7 * a).sin());

@@ -43,19 +43,21 @@ pub(crate) struct SurfaceHit {
 
 impl Surfaces {
     /// Collects the triangles of all meshes; a quad is cut along its shorter diagonal.
-    pub(crate) fn new(meshes: &[Mesh]) -> Self {
-        let triangles: Vec<Triangle> = meshes
-            .iter()
-            .flat_map(|mesh| (0..mesh.faces.len()).flat_map(move |f| triangles_of(mesh, f)))
-            .collect();
-        let bounds: Vec<_> = triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.corners;
-                [a.min(b).min(c), a.max(b).max(c)]
-            })
-            .collect();
-        Self { accel: Accel::new(&bounds), triangles }
+    pub(crate) fn new(meshes: Vec<Mesh>) -> Self {
+        let count = meshes.iter().flat_map(|m| &m.faces).map(|f| 1 + usize::from(f.is_quad())).sum();
+        let (mut triangles, mut bounds) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for mesh in meshes {
+            for f in 0..mesh.faces.len() {
+                let halves = triangles.len();
+                triangles.extend(triangles_of(&mesh, f));
+                let points = || triangles[halves..].iter().flat_map(|t: &Triangle| t.corners);
+                let around = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+                let around = points().fold(around, |[lo, hi], p| [lo.min(p), hi.max(p)]);
+                // The halves of a quad share their bounds, and so a leaf: it is half the tree.
+                bounds.resize(triangles.len(), around);
+            }
+        }
+        Self { accel: Accel::new(bounds), triangles }
     }
 
     /// How many triangles there are.
@@ -212,7 +214,7 @@ mod tests {
         };
         let faces = (0..n * n).map(|k| quad(k % n, k / n)).collect();
         let mesh = Mesh { name: "sheet".into(), positions, faces, ..Mesh::default() };
-        let surfaces = Surfaces::new(std::slice::from_ref(&mesh));
+        let surfaces = Surfaces::new(vec![mesh.clone()]);
         let mut hits = 0;
         for k in 0..20_000_u32 {
             let (i, j) = (1 + k % (n - 1), 1 + (k / 31) % (n - 1));

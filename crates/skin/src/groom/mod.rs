@@ -161,7 +161,8 @@ pub fn groom(skin: &Skin, steps: &[Step], options: &GroomOptions) -> Result<Groo
     }
     let wanted = Wanted { base: &skin.base, top: &top, upright: Some(&upright) };
     let settled = if folded.contains(&true) || known.contains(&false) {
-        settle(wanted, &groomed.patches, &options.mending)
+        let are_valid = |patch: usize| known[patch] && !folded[patch];
+        settle(wanted, &groomed.patches, are_valid, &options.mending)
     } else {
         Settled::as_wanted(top, groomed.len())
     };

@@ -33,7 +33,7 @@ pub(crate) fn march(
     let Beam { ray, cone, settings } = beam;
     let (coat, patch) = scene.patch(passage.patch);
     let texels = &coat.texels;
-    let local = LocalRay::new(scene.hexahedron(passage.patch).map(), patch.lattice, ray);
+    let local = LocalRay::new(&scene.hexahedron(passage.patch).map(), patch.lattice, ray);
 
     let ends = [local.end(passage, 0), local.end(passage, 1)];
     let jacobians = [local.texel_jacobian(&ends[0]), local.texel_jacobian(&ends[1])];

@@ -1,7 +1,7 @@
 //! Which boxes a ray goes through, and from where to where. [seed §4.1]
 
 use glam::DVec3;
-use pelage_geom::{Ray, RayFrame};
+use pelage_geom::{Passage, Ray, RayFrame};
 
 use crate::Scene;
 
@@ -21,9 +21,9 @@ pub(crate) fn collect(scene: &Scene, ray: &Ray, t_min: f64, t_max: f64, out: &mu
     out.clear();
     let frame = RayFrame::new(ray);
     scene.boxes.candidates(ray, t_max, |patch| {
-        for passage in scene.hexahedron(patch).passages_in(&frame, t_min, t_max).iter() {
-            out.push(BoxPassage { patch, t: passage.t, u: passage.u });
-        }
+        scene.hexahedron(patch).passages_in(&frame, t_min, t_max, |Passage { t, u }| {
+            out.push(BoxPassage { patch, t, u });
+        });
     });
     // The tree visits in an order of its own; the box's number decides between equal entries.
     out.sort_unstable_by(|a, b| a.t[0].total_cmp(&b.t[0]).then(a.patch.cmp(&b.patch)));

@@ -231,7 +231,7 @@ mod tests {
 
     fn chords_of(map: Trilinear, ray: &Ray, tolerance: f32) -> Vec<Chord> {
         let hexahedron = Hexahedron::cuboid(map);
-        let local = LocalRay::new(hexahedron.map(), Lattice::UNIT, ray);
+        let local = LocalRay::new(&hexahedron.map(), Lattice::UNIT, ray);
         let mut out = vec![];
         for passage in hexahedron.passages(ray, 0.0, f64::INFINITY).iter() {
             let passage = BoxPassage { patch: 0, t: passage.t, u: passage.u };
