@@ -55,11 +55,11 @@ pub use kinds::{
     Spheres, Value,
 };
 pub use line::{Crossing, Line};
-pub use lobe::Lobe;
+pub use lobe::{Lobe, LobesX4};
 pub use octree::{Level, Texel};
 pub use procedure::{Geometry, Procedure};
 pub use scatterer::{Scatterer, Scatterers};
 pub use source::Source;
-pub use surfel::Surfel;
+pub use surfel::{Surfel, SurfelsX4};
 pub use traverse::{Step, Walk};
 pub use voxel::Voxel;

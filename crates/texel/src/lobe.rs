@@ -9,10 +9,12 @@
 use std::ops::Range;
 
 use glam::{IVec2, Vec2, Vec3, vec2};
+use pelage_geom::Vec3x4;
 use rayon::prelude::*;
+use wide::f32x4;
 
-use crate::sample::{Sample, snapped_normal};
-use crate::surfel::{Surfel, from_disk, on_disk};
+use crate::sample::{Sample, Samples, snapped_normal};
+use crate::surfel::{Corners, Surfel, from_disk, on_disk, on_disk_x4};
 
 /// The surface that faces alike, of what is seen of a voxel from one direction. 22 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,13 +93,19 @@ impl Lobe {
         self.sample.weight()
     }
 
-    /// The part of it that nothing near hides from the light, of what the eye sees of it (unit vectors to both, texel
-    /// space); 0 for light from behind.
+    /// How alike the ways to the eye and to the light are (unit vectors to both, texel space), 0 to 1.
     ///
     /// Nothing stands between the light and what is seen where both directions are one: in a gap as wide as those
     /// between strands, a third as deep as the texel is high, they have little to do with each other from a few degrees on.
     #[inline]
-    pub fn lit(&self, eye: Vec3, light: Vec3) -> f32 {
+    pub fn alike(eye: Vec3, light: Vec3) -> f32 {
+        (-(eye - light).length() / APART).exp()
+    }
+
+    /// The part of it that nothing near hides from the light (a unit vector to it, texel space), of what the eye sees of
+    /// it when their ways are [`alike`](Self::alike); 0 for light from behind.
+    #[inline]
+    pub fn lit(&self, alike: f32, light: Vec3) -> f32 {
         let normal = self.normal();
         if normal.dot(light) <= 0.0 {
             return 0.0;
@@ -107,7 +115,7 @@ impl Lobe {
         let ([i, j], [a, b]) = ([x.floor(), y.floor()], [x - x.floor(), y - y.floor()]);
         let row = |y: f32| (1.0 - a) * self.open([i, y]) + a * self.open([i + 1.0, y]);
         let open = (1.0 - b) * row(j) + b * row(j + 1.0);
-        open + (1.0 - open) * (-(eye - light).length() / APART).exp()
+        open + (1.0 - open) * alike
     }
 
     /// What nothing near blocks of its cosine-weighted hemisphere, as [`Surfel::sky`].
@@ -123,8 +131,58 @@ impl Lobe {
 
     #[inline]
     fn at(&self, [column, row]: [usize; 2]) -> f32 {
-        let cell = Surfel::SIDE * row + column;
+        self.part(Surfel::SIDE * row + column)
+    }
+
+    /// The part that is open through a cell.
+    #[inline]
+    fn part(&self, cell: usize) -> f32 {
         f32::from(self.open[cell / 4] >> (2 * (cell % 4)) & 3) * (1.0 / 3.0)
+    }
+}
+
+/// Four lobes side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct LobesX4 {
+    four: [Lobe; 4],
+    samples: Samples,
+}
+
+impl LobesX4 {
+    /// Of four.
+    #[inline]
+    pub fn new(four: [Lobe; 4]) -> Self {
+        Self { four, samples: Samples::new([four[0].sample, four[1].sample, four[2].sample, four[3].sample]) }
+    }
+
+    /// [`Lobe::normal`] of each.
+    #[inline]
+    pub fn normal(&self) -> Vec3x4 {
+        self.samples.normal
+    }
+
+    /// [`Lobe::color`] of each.
+    #[inline]
+    pub fn color(&self) -> Vec3x4 {
+        self.samples.color
+    }
+
+    /// [`Lobe::weight`] of each.
+    #[inline]
+    pub fn weight(&self) -> f32x4 {
+        self.samples.weight
+    }
+
+    /// [`Lobe::lit`] of each.
+    #[inline]
+    pub fn lit(&self, alike: f32, light: Vec3) -> f32x4 {
+        let light = Vec3x4::splat(light);
+        let normal = self.samples.normal;
+        let facing = normal.dot(light).simd_gt(f32x4::ZERO);
+        let [x, y] = on_disk_x4(&normal.any_orthonormal_pair(), light);
+        let half = f32x4::splat(0.5);
+        let open = Corners::new([x - half, y - half]).between(|i, cell| self.four[i].part(cell));
+        facing & (open + (f32x4::ONE - open) * f32x4::splat(alike))
     }
 }
 
@@ -363,8 +421,10 @@ mod tests {
         }
         // From where the first is open, both are seen alike; far from the eye, ¼ of what is seen is dark.
         let lit = |eye: Vec3, light: Vec3| {
-            let of =
-                |(share, range): (f32, Range<u32>)| share * lobes.all()[range.start as usize].lit(eye, light);
+            let alike = Lobe::alike(eye, light);
+            let of = |(share, range): (f32, Range<u32>)| {
+                share * lobes.all()[range.start as usize].lit(alike, light)
+            };
             lobes.seen(0, eye).into_iter().map(of).sum::<f32>()
         };
         let back = Vec3::new(-along.x, -along.y, along.z);

@@ -116,13 +116,10 @@ impl Level {
         self.lobes.seen(index, eye)
     }
 
-    /// The lobe of a number given by [`lobes`](Self::lobes).
-    ///
-    /// # Panics
-    /// If there is none.
+    /// The lobes of numbers given by [`lobes`](Self::lobes); none for others.
     #[inline]
-    pub fn lobe(&self, number: u32) -> &Lobe {
-        &self.lobes.all()[number as usize]
+    pub fn lobes_in(&self, numbers: Range<u32>) -> &[Lobe] {
+        self.lobes.all().get(numbers.start as usize..numbers.end as usize).unwrap_or(&[])
     }
 
     /// What nothing near blocks of the cosine-weighted hemisphere of a lobe, as [`Surfel::sky`].

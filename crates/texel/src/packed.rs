@@ -16,7 +16,8 @@
 //! [`Region`]: crate::region::Region
 
 use glam::{Vec2, Vec3};
-use pelage_geom::Symmetric3;
+use pelage_geom::{Symmetric3, Vec3x4};
+use wide::f32x4;
 
 use crate::Voxel;
 
@@ -170,6 +171,16 @@ pub(crate) fn folded(p: Vec2) -> Vec3 {
     let z = 1.0 - p.x.abs() - p.y.abs();
     let p = if z < 0.0 { fold(p) } else { p };
     p.extend(z).normalize()
+}
+
+/// [`folded`] of four points.
+#[inline]
+pub(crate) fn folded_x4([x, y]: [f32x4; 2]) -> Vec3x4 {
+    let (one, sign) = (f32x4::ONE, f32x4::splat(-0.0));
+    let z = one - x.abs() - y.abs();
+    let below = z.simd_lt(f32x4::ZERO);
+    let fold = |along: f32x4, other: f32x4| below.select((one - other.abs()) | (along & sign), along);
+    Vec3x4 { x: fold(x, y), y: fold(y, x), z }.normalize_or_zero()
 }
 
 /// Swaps the octahedron's upper half with the corners of the square.

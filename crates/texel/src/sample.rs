@@ -3,7 +3,10 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::packed::{bytes, folded, unfolded, unit};
+use pelage_geom::Vec3x4;
+use wide::f32x4;
+
+use crate::packed::{bytes, folded, folded_x4, unfolded, unit};
 
 /// Steps of an octahedral coordinate from 0 to 1, of about half a degree each.
 const STEPS: f32 = 127.0;
@@ -32,6 +35,9 @@ impl Sample {
             weight: (255.0 * weight).round().max(1.0) as u8,
         }
     }
+
+    /// One that stands for nothing.
+    pub(crate) const NONE: Self = Self { normal: [0; 2], color: [0; 3], weight: 0 };
 
     /// From what the methods below give.
     pub(crate) fn of_parts(normal: [i8; 2], color: [u8; 3], weight: u8) -> Self {
@@ -79,6 +85,39 @@ impl Sample {
     }
 }
 
+/// Four samples side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Samples {
+    /// Unit normals.
+    pub normal: Vec3x4,
+    /// Linear albedos.
+    pub color: Vec3x4,
+    pub weight: f32x4,
+}
+
+impl Samples {
+    #[inline]
+    pub(crate) fn new(four: [Sample; 4]) -> Self {
+        let [a, b, c, d] = four;
+        let octahedral = |axis: usize| {
+            let [a, b, c, d] = [a.normal[axis], b.normal[axis], c.normal[axis], d.normal[axis]];
+            f32x4::new([a.into(), b.into(), c.into(), d.into()]) * f32x4::splat(1.0 / STEPS)
+        };
+        let bytes = |a: u8, b: u8, c: u8, d: u8| {
+            f32x4::new([a.into(), b.into(), c.into(), d.into()]) * f32x4::splat(1.0 / 255.0)
+        };
+        let color = |channel: usize| {
+            let root = bytes(a.color[channel], b.color[channel], c.color[channel], d.color[channel]);
+            root * root
+        };
+        Self {
+            normal: folded_x4([octahedral(0), octahedral(1)]),
+            color: Vec3x4 { x: color(0), y: color(1), z: color(2) },
+            weight: bytes(a.weight, b.weight, c.weight, d.weight),
+        }
+    }
+}
+
 /// The unit vector's point on the octahedron, unfolded into a square [Cigolle14].
 pub(crate) fn octahedral(n: Vec3) -> [i8; 2] {
     unfolded(n).to_array().map(|c| (STEPS * c).round() as i8)
@@ -100,6 +139,22 @@ pub(crate) fn snapped_normal(n: Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::random::Random;
+
+    #[test]
+    fn four_samples_are_one_and_one() {
+        let random = &mut Random::new(5, 0);
+        for _ in 0..2000 {
+            let four = std::array::from_fn(|_| {
+                let n = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
+                let color = Vec3::new(random.unit(), random.unit(), random.unit());
+                Sample::new(n, color, random.unit())
+            });
+            let samples = Samples::new(four);
+            assert!(samples.normal == Vec3x4::new(four.map(Sample::normal)));
+            assert!(samples.color == Vec3x4::new(four.map(Sample::color)));
+            assert_eq!(samples.weight.to_array(), four.map(Sample::weight));
+        }
+    }
 
     #[test]
     fn six_bytes_return() {
