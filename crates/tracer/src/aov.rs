@@ -1,11 +1,11 @@
 //! What a pixel shows besides its colour: which box, how much the texel is stretched there, which way the surface
 //! faces. For looking at a skin and for compositing; without light, so it takes a part of a picture's time.
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use crate::cone::composite::View;
-use crate::render::{check, offsets};
+use crate::render::{check, see};
 use crate::{Camera, Rect, RenderError, Scene, Settings};
 
 /// Arbitrary output variables: for each pixel of a picture, what it shows.
@@ -64,14 +64,8 @@ pub fn render_aovs(scene: &Scene, camera: &Camera, settings: &Settings) -> Resul
     })
 }
 
-fn look(scene: &Scene, camera: &Camera, settings: &Settings, [x, y]: [u32; 2], view: &mut View) -> Seen {
-    view.clear();
-    let corner = Vec2::new(x as f32, y as f32);
-    let offsets = offsets(settings.rays);
-    for &offset in offsets {
-        let (ray, cone) = camera.cone(corner + Vec2::from_array(offset), settings.size);
-        view.trace(scene, settings, &ray, &cone, 1.0 / offsets.len() as f32);
-    }
+fn look(scene: &Scene, camera: &Camera, settings: &Settings, pixel: [u32; 2], view: &mut View) -> Seen {
+    see(scene, camera, settings, pixel, view);
     // By box, so that a box's voxels follow each other.
     view.voxels.sort_by_key(|voxel| voxel.key);
     let mut seen = Seen { patch: Aovs::NO_PATCH, stretch: 0.0, normal: Vec3::ZERO };

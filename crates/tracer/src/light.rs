@@ -3,6 +3,8 @@
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::Vec3;
+use pelage_geom::Vec3x4;
+use wide::f32x4;
 
 /// A light with a place or a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,9 +165,18 @@ impl Environment {
         self.ground.lerp(self.sky, 0.5 + normal.y / 3.0)
     }
 
-    /// The sum of the radiance over directions that weigh `open` in all, and whose weighted sum is `direction`.
-    pub(crate) fn gathered(&self, open: f32, direction: Vec3) -> Vec3 {
-        0.5 * (open * (self.sky + self.ground) + direction.y * (self.sky - self.ground))
+    /// [`mean_radiance`](Self::mean_radiance) around each of four normals.
+    #[inline]
+    pub(crate) fn mean_radiance_x4(&self, normal: Vec3x4) -> Vec3x4 {
+        let height = f32x4::splat(0.5) + normal.y * f32x4::splat(1.0 / 3.0);
+        Vec3x4::splat(self.ground) + Vec3x4::splat(self.sky - self.ground) * height
+    }
+
+    /// Four sums of the radiance over directions that weigh `open` in all, and whose weighted sum is `direction`.
+    #[inline]
+    pub(crate) fn gathered(&self, open: f32x4, direction: Vec3x4) -> Vec3x4 {
+        let (mean, rise) = (0.5 * (self.sky + self.ground), 0.5 * (self.sky - self.ground));
+        Vec3x4::splat(mean) * open + Vec3x4::splat(rise) * direction.y
     }
 }
 

@@ -77,27 +77,20 @@ pub fn render_counted(
     progress: &(dyn Fn(Progress) -> ControlFlow<()> + Sync),
 ) -> Result<(Film, Counts), RenderError> {
     let window = check(camera, settings)?;
-    let columns = window.width.div_ceil(TILE);
-    let rows = window.height.div_ceil(TILE);
-    let total = columns as usize * rows as usize;
+    let tiles = tiles(window);
+    let total = tiles.len();
     let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
 
-    let tiles: Vec<Option<(Rect, Vec<Pixel>, Counts)>> = (0..total as u32)
+    let tiles: Vec<Option<(Rect, Vec<Pixel>, Counts)>> = tiles
         .into_par_iter()
-        .map_init(Default::default, |(view, shader): &mut (View, Shader), i| {
+        .map_init(Default::default, |(view, shader): &mut (View, Shader), tile| {
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let (x, y) = (window.x + i % columns * TILE, window.y + i / columns * TILE);
-            let tile = Rect {
-                x,
-                y,
-                width: TILE.min(window.x + window.width - x),
-                height: TILE.min(window.y + window.height - y),
-            };
             let pixels = (0..tile.area() as u32)
                 .map(|p| {
-                    pixel(scene, camera, settings, [x + p % tile.width, y + p / tile.width], view, shader)
+                    let at = [tile.x + p % tile.width, tile.y + p / tile.width];
+                    pixel(scene, camera, settings, at, view, shader)
                 })
                 .collect();
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -121,6 +114,21 @@ pub fn render_counted(
         return Err(RenderError::Cancelled { done, total, film: Box::new(film) });
     }
     Ok((film, counts))
+}
+
+/// The tiles of a window along a curve that stays close to where it was (Morton's), so that a thread's next tile shares
+/// with its last ones what lies between the light and both.
+fn tiles(window: Rect) -> Vec<Rect> {
+    let (columns, rows) = (window.width.div_ceil(TILE), window.height.div_ceil(TILE));
+    let mut places: Vec<[u32; 2]> = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y])).collect();
+    let bits = |n: u32| (0..32).filter(|i| n >> i & 1 != 0).fold(0_u64, |all, i| all | 1 << (2 * i));
+    places.sort_by_cached_key(|&[x, y]| bits(x) | bits(y) << 1);
+    let tile = |[x, y]: [u32; 2]| {
+        let (x, y) = (x * TILE, y * TILE);
+        let (width, height) = (TILE.min(window.width - x), TILE.min(window.height - y));
+        Rect { x: window.x + x, y: window.y + y, width, height }
+    };
+    places.into_iter().map(tile).collect()
 }
 
 /// The part of the picture to render, if everything can be used.
@@ -172,6 +180,31 @@ fn pixel(
     view: &mut View,
     shader: &mut Shader,
 ) -> Pixel {
+    let background = see(scene, camera, settings, [x, y], view);
+    // One ray meets a voxel twice only where it comes back to it.
+    if settings.rays != Rays::One {
+        view.merge();
+    }
+
+    let mut color = shader.surfaces(scene, settings, &view.surfaces);
+    let alpha = (1.0 - background).clamp(0.0, 1.0);
+    let depth = view.median_depth(camera.forward(), alpha);
+    view.choose(settings.lit_voxels as usize);
+    let (_, cone) = camera.cone(Vec2::new(x as f32, y as f32) + 0.5, settings.size);
+    shader.begin(&view.voxels, cone);
+    color += view.voxels.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum::<Vec3>();
+
+    Pixel { color, alpha, depth }
+}
+
+/// Follows the rays of a pixel: what they see is in `view` then. Returns what gets through to the background.
+pub(crate) fn see(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    [x, y]: [u32; 2],
+    view: &mut View,
+) -> f32 {
     view.clear();
     let corner = Vec2::new(x as f32, y as f32);
     let offsets = offsets(settings.rays);
@@ -181,23 +214,11 @@ fn pixel(
         let (ray, cone) = camera.cone(corner + Vec2::from_array(offset), settings.size);
         background += view.trace(scene, settings, &ray, &cone, share);
     }
-    // One ray meets a voxel twice only where it comes back to it.
-    if offsets.len() > 1 {
-        view.merge();
-    }
-
-    let mut color = shader.surfaces(scene, settings, &view.surfaces);
-    let alpha = (1.0 - background).clamp(0.0, 1.0);
-    let depth = view.median_depth(camera.forward(), alpha);
-    view.choose(settings.lit_voxels as usize);
-    shader.begin(&view.voxels);
-    color += view.voxels.iter().map(|v| v.weight * shader.voxel(scene, settings, v)).sum::<Vec3>();
-
-    Pixel { color, alpha, depth }
+    background
 }
 
 /// Where in a pixel its rays go.
-pub(crate) fn offsets(rays: Rays) -> &'static [[f32; 2]] {
+fn offsets(rays: Rays) -> &'static [[f32; 2]] {
     // Rotated grids: as many different columns and rows as rays, so that nearly level edges are smooth too.
     const FOUR: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
     const SIXTEEN: [[f32; 2]; 16] = {
@@ -220,6 +241,24 @@ pub(crate) fn offsets(rays: Rays) -> &'static [[f32; 2]] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn tiles_cover_a_window_once() {
+        let window = Rect { x: 5, y: 7, width: 70, height: 33 };
+        let tiles = tiles(window);
+        let mut covered = vec![0; window.area()];
+        for tile in &tiles {
+            for (x, y) in (0..tile.area() as u32).map(|i| (i % tile.width, i / tile.width)) {
+                covered[((tile.y - 7 + y) * 70 + tile.x - 5 + x) as usize] += 1;
+            }
+        }
+        assert!(covered.iter().all(|&count| count == 1));
+        // The first four are the corner of the window.
+        assert_eq!(
+            tiles[..4].iter().map(|t| [t.x - 5, t.y - 7]).collect::<Vec<_>>(),
+            [[0, 0], [16, 0], [0, 16], [16, 16]]
+        );
+    }
 
     #[test]
     fn ray_patterns_are_latin_and_centred() {

@@ -228,9 +228,9 @@ impl SeenVoxel {
     }
 }
 
-/// Mixes the numbers of a [`VoxelKey`].
+/// Mixes the numbers of a key.
 #[derive(Default)]
-struct KeyHasher(u64);
+pub(super) struct KeyHasher(u64);
 
 impl Hasher for KeyHasher {
     fn write(&mut self, bytes: &[u8]) {

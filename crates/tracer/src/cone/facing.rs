@@ -1,101 +1,252 @@
-//! What the eye sees of a voxel: the points of its surface, its lobes, the points of its density, or normals of its
-//! ellipsoid.
+//! What a voxel sends to the eye of the light that reaches it: a sum over the points of its surface, its lobes, the points
+//! of its density, or normals of its ellipsoid, four at a time.
 
 use glam::{Mat3, Vec3};
-use pelage_texel::{Level, Scatterers, Surfel, Voxel};
+use pelage_geom::Vec3x4;
+use pelage_texel::{Level, Lobe, LobesX4, Scatterers, Surfel, SurfelsX4, Voxel};
+use wide::f32x4;
 
-/// A part of what the eye sees of a voxel.
-pub(super) struct Visible {
-    /// Unit normal on the seen side, scene space.
-    pub normal: Vec3,
-    pub color: Vec3,
-    /// How much of what is seen, up to a factor common to all.
-    pub weight: f32,
-    /// Which part of the voxel it is, if one.
-    pub point: Option<Point>,
-}
+use super::gloss::Gloss;
+use crate::Environment;
+use crate::light::Incoming;
 
-/// What a voxel holds, by its number.
-#[derive(Clone, Copy)]
-pub(super) enum Point {
-    Surfel(u32),
-    Lobe(u32),
-    Scatterer(u32),
-}
-
-/// How a voxel is looked at.
+/// How a voxel is looked at and lit, and what it sends back.
+#[derive(Default)]
 pub(super) struct Facing {
     /// Unit vector to the eye, texel space.
     pub view: Vec3,
-    /// J⁻ᵀ: carries normals into the scene.
+    /// From texel steps to scene steps.
+    pub jacobian: Mat3,
+    /// Its inverse, transposed: carries normals into the scene.
     pub cofactor: Mat3,
     /// Multiplies its colours.
     pub tint: Vec3,
+    pub gloss: Gloss,
+    /// Whether its parts shadow each other.
+    pub shadows: bool,
+    /// The light of the surroundings; `None` where it is black.
+    pub environment: Option<Environment>,
+    /// The other lights that shine here.
+    pub lights: Vec<Towards>,
+    sums: Sums,
 }
 
+/// A light as a voxel sees it.
+pub(super) struct Towards {
+    /// Its place among those of the scene.
+    pub index: usize,
+    pub incoming: Incoming,
+    /// Unit vector to it, texel space.
+    pub towards: Vec3,
+    /// Unit vector half-way between those to it and to the eye, scene space.
+    pub half: Vec3,
+    /// [`Lobe::alike`] of the eye and the light.
+    alike: f32,
+    /// What is reflected of it, weighed; per unit of illuminance.
+    reflected: Vec3x4,
+}
+
+impl Towards {
+    /// A light from which `incoming` arrives; `eye` and `towards` are unit vectors of texel space, `view` is one to the
+    /// eye of scene space.
+    pub fn new(index: usize, incoming: Incoming, [eye, towards]: [Vec3; 2], view: Vec3) -> Self {
+        let half = (view + incoming.direction).normalize_or_zero();
+        let alike = Lobe::alike(eye, towards);
+        Self { index, incoming, towards, half, alike, reflected: Vec3x4::default() }
+    }
+}
+
+/// What is summed over the parts that the eye sees.
+#[derive(Default)]
+struct Sums {
+    /// How much of them is seen, up to a factor that all have in common.
+    weight: f32x4,
+    /// What is reflected of the surroundings, weighed: of those above and of those below the surface that the texel
+    /// stands on.
+    sky: [Vec3x4; 2],
+}
+
+/// Of four hemispheres: how much is open, and the sums of the open directions (texel space), above and below.
+type Halves = [(f32x4, Vec3x4); 2];
+
+/// Of one.
+type Half = (f32, Vec3);
+
 impl Facing {
+    /// Forgets the last voxel's sums.
+    pub fn begin(&mut self) {
+        self.sums = Sums::default();
+    }
+
+    /// Whether nothing of the voxel is seen so far.
+    pub fn is_blank(&self) -> bool {
+        self.sums.weight == f32x4::ZERO
+    }
+
+    /// What is sent back of the surroundings above and below, of all that is open.
+    pub fn from_sky(&self) -> [Vec3; 2] {
+        let whole = self.sums.weight.reduce_add();
+        let [above, below] = &self.sums.sky;
+        [above.sum() / whole, below.sum() / whole]
+    }
+
+    /// What is sent back of a light, per unit of illuminance.
+    pub fn reflected(&self, light: &Towards) -> Vec3 {
+        light.reflected.sum() / self.sums.weight.reduce_add()
+    }
+
     /// The surfels that the eye sees.
-    pub fn collect(&self, surfels: &[Surfel], visible: &mut Vec<Visible>) {
-        visible.clear();
-        let one = |(i, surfel): (usize, &Surfel)| {
-            let normal = surfel.normal();
-            Visible {
-                normal: (self.cofactor * normal).normalize_or_zero(),
-                color: surfel.color() * self.tint,
-                weight: surfel.weight() * normal.dot(self.view),
-                point: Some(Point::Surfel(i as u32)),
+    pub fn add_surfels(&mut self, level: &Level, voxel: u32) {
+        let eye = self.view;
+        // Those that are seen are gathered first, since most are not.
+        let (mut seen, mut count) = ([Surfel::NOWHERE; 4], 0);
+        let mut four = [Surfel::NOWHERE; 4];
+        let mut surfels = level.surfels(voxel);
+        loop {
+            let filled = four.iter_mut().map_while(|slot| Some(*slot = surfels.next()?)).count();
+            let sees = SurfelsX4::new(&four[..filled]).sees(eye);
+            for (_, surfel) in four.iter().enumerate().filter(|(i, _)| sees >> i & 1 != 0) {
+                seen[count] = *surfel;
+                count += 1;
+                if count == seen.len() {
+                    self.add_four_surfels(&seen);
+                    count = 0;
+                }
             }
-        };
-        visible.extend(surfels.iter().enumerate().filter(|(_, s)| s.sees(self.view)).map(one));
-        // Seen through a gap that the masks are too coarse for.
-        if visible.is_empty() {
-            let faces = |(_, s): &(usize, &Surfel)| s.normal().dot(self.view) > 0.0;
-            visible.extend(surfels.iter().enumerate().filter(faces).map(one));
+            if filled < four.len() {
+                break;
+            }
         }
+        self.add_four_surfels(&seen[..count]);
+        // Seen through a gap that the masks are too coarse for.
+        if self.is_blank() {
+            let faces = |surfel: &Surfel| surfel.normal().dot(eye) > 0.0;
+            level.surfels(voxel).filter(faces).for_each(|surfel| self.add_four_surfels(&[surfel]));
+        }
+    }
+
+    /// At most four.
+    fn add_four_surfels(&mut self, seen: &[Surfel]) {
+        if seen.is_empty() {
+            return;
+        }
+        let (eye, surfels) = (self.view, SurfelsX4::new(seen));
+        let weight = surfels.weight() * surfels.normal().dot(Vec3x4::splat(eye));
+        let lit = |light: &Towards| surfels.lit(eye, light.towards);
+        let sky = || Some(side_by_side(|i| seen.get(i).map(Surfel::sky)));
+        self.add(surfels.normal(), surfels.color(), weight, lit, sky);
     }
 
     /// The lobes that are seen from here.
-    pub fn collect_lobes(&self, level: &Level, voxel: u32, visible: &mut Vec<Visible>) {
-        for (share, lobes) in level.lobes(voxel, self.view) {
-            let whole: f32 = lobes.clone().map(|i| level.lobe(i).weight()).sum();
-            visible.extend(lobes.map(|i| {
-                let lobe = level.lobe(i);
-                Visible {
-                    normal: (self.cofactor * lobe.normal()).normalize_or_zero(),
-                    color: lobe.color() * self.tint,
-                    weight: share * lobe.weight() / whole,
-                    point: Some(Point::Lobe(i)),
-                }
-            }));
+    pub fn add_lobes(&mut self, level: &Level, voxel: u32) {
+        for (share, numbers) in level.lobes(voxel, self.view) {
+            let lobes = level.lobes_in(numbers.clone());
+            let whole: f32 = lobes.iter().map(Lobe::weight).sum();
+            for (begin, four) in (numbers.start..).step_by(4).zip(lobes.chunks(4)) {
+                // The last stands for those that are missing, and they for nothing.
+                let lobe = |i: usize| four[i.min(four.len() - 1)];
+                let part = |i: usize| if i < four.len() { share / whole } else { 0.0 };
+                let lobes = LobesX4::new([lobe(0), lobe(1), lobe(2), lobe(3)]);
+                let weight = lobes.weight() * f32x4::new([part(0), part(1), part(2), part(3)]);
+                let lit = |light: &Towards| lobes.lit(light.alike, light.towards);
+                let sky = |i: usize| (i < four.len()).then(|| level.lobe_sky(begin + i as u32));
+                self.add(lobes.normal(), lobes.color(), weight, lit, || Some(side_by_side(sky)));
+            }
         }
     }
 
-    /// The scatterers, by how much of each passes to the eye.
-    pub fn collect_scatterers(&self, scatterers: Scatterers, visible: &mut Vec<Visible>) {
-        visible.extend(scatterers.points().iter().enumerate().map(|(i, point)| Visible {
-            normal: (self.cofactor * point.normal()).normalize_or_zero(),
-            color: point.color() * self.tint,
+    /// The scatterers, by how much of each passes to the eye. `holds_shadows` where they say which light reaches them.
+    pub fn add_scatterers(&mut self, scatterers: Scatterers, holds_shadows: bool) {
+        for (begin, four) in (0..).step_by(4).zip(scatterers.points().chunks(4)) {
+            let point = |i: usize| four.get(i);
+            let vectors = |of: &dyn Fn(usize) -> Vec3| Vec3x4::new([of(0), of(1), of(2), of(3)]);
+            let numbers = |of: &dyn Fn(usize) -> f32| f32x4::new([of(0), of(1), of(2), of(3)]);
             // Where hardly anything passes, all count alike.
-            weight: point.weight() * scatterers.transmittance(i, self.view).max(1e-4),
-            point: Some(Point::Scatterer(i as u32)),
-        }));
+            let weight = |i: usize| {
+                let passes = || scatterers.transmittance(begin + i, self.view).max(1e-4);
+                point(i).map_or(0.0, |point| point.weight() * passes())
+            };
+            let weight = numbers(&weight);
+            let normal = vectors(&|i| point(i).map_or(Vec3::Z, |point| point.normal()));
+            let color = vectors(&|i| point(i).map_or(Vec3::ZERO, |point| point.color()));
+            let lit = |light: &Towards| match holds_shadows {
+                true => numbers(&|i| scatterers.transmittance(begin + i, light.towards)),
+                false => f32x4::ONE,
+            };
+            let sky = |i: usize| point(i).map(|_| scatterers.sky(begin + i));
+            self.add(normal, color, weight, lit, || Some(side_by_side(sky)));
+        }
     }
 
     /// `count` normals (1 to 16) of the visible half of the voxel's ellipsoid, equal parts of what is seen.
-    pub fn collect_ellipsoid(&self, voxel: &Voxel, count: u32, visible: &mut Vec<Visible>) {
-        visible.clear();
+    pub fn add_ellipsoid(&mut self, voxel: &Voxel, count: u32) {
         let seen = voxel.normals().visible(if self.view == Vec3::ZERO { Vec3::Z } else { self.view });
         let count = count.clamp(1, 16);
-        for i in 0..count {
-            // The first `count` points of Hammersley's set, centred in their strata.
-            let x = (i as f32 + 0.5) / count as f32;
-            let y = (i.reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
-            visible.push(Visible {
-                normal: (self.cofactor * seen.sample([x, y.fract()])).normalize_or_zero(),
-                color: voxel.albedo * self.tint,
-                weight: 1.0,
-                point: None,
-            });
+        let color = Vec3x4::splat(voxel.albedo);
+        for begin in (0..count).step_by(4) {
+            let normal = |i: u32| {
+                let i = begin + i;
+                // The first `count` points of Hammersley's set, centred in their strata.
+                let x = (i as f32 + 0.5) / count as f32;
+                let y = (i.reverse_bits() >> 8) as f32 / (1 << 24) as f32 + 0.5 / count as f32;
+                seen.sample([x, y.fract()])
+            };
+            let weight = |i: u32| if begin + i < count { 1.0 } else { 0.0 };
+            let normals = Vec3x4::new([normal(0), normal(1), normal(2), normal(3)]);
+            let weights = f32x4::new([weight(0), weight(1), weight(2), weight(3)]);
+            self.add(normals, color, weights, |_| f32x4::ONE, || None);
         }
     }
+
+    /// Adds four parts that face `normal` (texel space): `lit` says how much of each a light reaches from what is near, and
+    /// `sky` what is open of their hemispheres, if that is known.
+    #[inline]
+    fn add(
+        &mut self,
+        normal: Vec3x4,
+        color: Vec3x4,
+        weight: f32x4,
+        lit: impl Fn(&Towards) -> f32x4,
+        sky: impl FnOnce() -> Option<Halves>,
+    ) {
+        let color = color * Vec3x4::splat(self.tint);
+        self.sums.weight += weight;
+        if let Some(environment) = &self.environment {
+            let [above, below] = &mut self.sums.sky;
+            match sky().filter(|_| self.shadows) {
+                Some(halves) => {
+                    for (sum, (open, directions)) in [above, below].into_iter().zip(halves) {
+                        let turned = directions.carried(&self.jacobian).normalize_or_zero();
+                        *sum += color * environment.gathered(open, turned * directions.length()) * weight;
+                    }
+                }
+                None => {
+                    let normal = normal.carried(&self.cofactor).normalize_or_zero();
+                    *above += color * environment.mean_radiance_x4(normal) * weight;
+                }
+            }
+        }
+        for light in &mut self.lights {
+            let facing = normal.dot(Vec3x4::splat(light.towards)).simd_gt(f32x4::ZERO);
+            if !facing.any() {
+                continue;
+            }
+            let lit = if self.shadows { lit(light) } else { f32x4::ONE };
+            let normal = normal.carried(&self.cofactor).normalize_or_zero();
+            let reflected = self.gloss.reflected_x4(color, normal, light.incoming.direction, light.half);
+            light.reflected += reflected * (weight * lit & facing);
+        }
+    }
+}
+
+/// Of up to four parts.
+#[inline]
+fn side_by_side(sky: impl Fn(usize) -> Option<[Half; 2]>) -> Halves {
+    let one = |i: usize| sky(i).unwrap_or_default();
+    let [a, b, c, d] = [one(0), one(1), one(2), one(3)];
+    let half = |i: usize| {
+        let [a, b, c, d] = [a[i], b[i], c[i], d[i]];
+        (f32x4::new([a.0, b.0, c.0, d.0]), Vec3x4::new([a.1, b.1, c.1, d.1]))
+    };
+    [half(0), half(1)]
 }

@@ -13,7 +13,10 @@
 
 mod below;
 pub(crate) mod composite;
+mod deep_shadow;
 mod facing;
+pub(crate) mod gloss;
+mod light_lines;
 pub(crate) mod lod;
 pub(crate) mod march;
 mod opaque;

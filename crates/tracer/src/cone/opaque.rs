@@ -4,10 +4,11 @@ use glam::{DVec3, Vec3};
 use pelage_geom::{Cone, Material, Ray};
 
 use super::composite::SeenSurface;
-use super::shade::{SKY_SPREAD, Shader, reflection};
+use super::gloss::Gloss;
+use super::shade::{SKY_SPREAD, Shader};
 use super::shadow::{Correlation, ShadowCone, is_blocked};
 use crate::light::Incoming;
-use crate::{Scene, Settings};
+use crate::{Environment, Scene, Settings};
 
 impl Shader {
     /// The light that points of opaque surfaces send to the eye, weighed. What coats let through to points that lie
@@ -32,12 +33,13 @@ impl Shader {
             direction: direction.as_dvec3().normalize(),
             start: 0.0,
             end: f64::from(end),
+            normal: flat,
             cone: Cone { width: f64::from(first.width), spread: f64::from(spread) },
             correlation: Correlation::NONE,
         };
         let is_shadowed = settings.shadows && scene.reach > 0.0;
         let mut open = 1.0;
-        if is_shadowed {
+        if is_shadowed && scene.environment != Environment::BLACK {
             // Wide cones through the coats around stand for the sky; under a coat that nearly hides the surface, one
             // does, and the others come in gradually, so that no step shows.
             let mut sky =
@@ -53,7 +55,7 @@ impl Shader {
             }
         }
         let mut radiance: Vec3 = seen.iter().map(|s| s.weight * s.unlit(scene, open)).sum();
-        for light in &scene.lights {
+        for (index, light) in scene.lights.iter().enumerate() {
             let mut reflected = Vec3::ZERO;
             let mut towards = None;
             for point in seen {
@@ -75,7 +77,8 @@ impl Shader {
             }
             let Some(Incoming { direction, distance, spread, .. }) = towards else { continue };
             let arriving = if is_shadowed {
-                self.shadows.through_coats(scene, settings, &coats(direction, distance, spread))
+                let cone = coats(direction, distance, spread);
+                self.shadows.of_light(scene, settings, index, &cone, cone.cone.width)
             } else {
                 1.0
             };
@@ -124,14 +127,8 @@ impl SeenSurface {
         let material = scene.material(self.hit.material);
         let half = (to_light - self.direction).normalize_or_zero();
         let normal = self.side() * self.hit.normal;
-        reflection(
-            self.albedo(scene, material),
-            material.specular,
-            material.exponent(),
-            normal,
-            to_light,
-            half,
-        )
+        let gloss = Gloss::new(material.specular, material.roughness);
+        gloss.reflected(self.albedo(scene, material), normal, to_light, half)
     }
 }
 

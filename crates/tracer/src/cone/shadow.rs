@@ -1,9 +1,10 @@
 //! How much of a light arrives: a cone through skins and past opaque meshes. [seed §6.1b]
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use pelage_geom::{Cone, Ray};
 
 use super::Trail;
+use super::deep_shadow::DeepShadows;
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
 use super::{Blend, Piece};
@@ -20,6 +21,8 @@ pub(crate) struct ShadowCone {
     pub start: f64,
     /// How far the light is.
     pub end: f64,
+    /// Unit normal of the surface below: what lies beside the point, as high above it, is as the point is.
+    pub normal: Vec3,
     /// The cone's width; as wide as what is shaded, and widening with the light's size.
     pub cone: Cone,
     /// How alike the ways to the eye and to the light still are.
@@ -61,6 +64,7 @@ pub(crate) fn decay(x: f32) -> f32 {
 pub(crate) struct ShadowBuffers {
     passages: Vec<BoxPassage>,
     trail: Trail,
+    deep: DeepShadows,
 }
 
 impl ShadowBuffers {
@@ -69,16 +73,20 @@ impl ShadowBuffers {
         std::mem::take(&mut self.trail.counts)
     }
 
-    /// The part of the light that arrives, in `[0, 1]`.
-    pub fn transmittance(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
-        // Opaque meshes are no part of the voxel's own matter: they are asked from the point itself.
-        if is_blocked(scene, &Ray { origin: shadow.origin, direction: shadow.direction }, shadow.end) {
-            return 0.0;
-        }
-        self.through_coats(scene, settings, shadow)
+    /// The part of a light of the scene that the coats let through. Points whose light passes within about `fineness`
+    /// (scene units) share what it meets on its way.
+    pub fn of_light(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        light: usize,
+        shadow: &ShadowCone,
+        fineness: f64,
+    ) -> f32 {
+        self.deep.transmittance(scene, settings, light, shadow, fineness, &mut self.trail)
     }
 
-    /// The part that the coats let through, whatever opaque meshes do.
+    /// The part of a light from anywhere that the coats let through.
     pub fn through_coats(&mut self, scene: &Scene, settings: &Settings, shadow: &ShadowCone) -> f32 {
         let ray = Ray { origin: shadow.origin, direction: shadow.direction };
         let beam = Beam { ray: &ray, cone: &shadow.cone, settings };

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
-use pelage_geom::{Material, Ray, material::exponent_of_roughness};
+use pelage_geom::{Material, Ray};
 
 use super::Lighting;
 use super::content::Filling;
@@ -12,7 +12,7 @@ use super::sample::{Points, Use, cosine_around, flight, towards_disk};
 use super::stream::{Hit, Met, Query, Stream};
 use super::world::World;
 use crate::Camera;
-use crate::cone::shade::reflection;
+use crate::cone::gloss::Gloss;
 use crate::surface::SurfaceHit;
 
 /// A point that is seen, ready to be lit.
@@ -30,8 +30,7 @@ pub(super) struct Seen {
     normal: Vec3,
     flat: Vec3,
     albedo: Vec3,
-    specular: f32,
-    exponent: f32,
+    gloss: Gloss,
     emissive: Vec3,
 }
 
@@ -72,8 +71,7 @@ impl Seen {
             normal,
             flat,
             albedo: color * tile.tint * world.worn(hit.patch, hit.at),
-            specular: texel.specular,
-            exponent: exponent_of_roughness(texel.roughness),
+            gloss: Gloss::new(texel.specular, texel.roughness),
             emissive: Vec3::ZERO,
         }
     }
@@ -101,8 +99,7 @@ impl Seen {
             normal: side * hit.normal,
             flat,
             albedo: scene.colour_of(material, hit.uv, 0.0),
-            specular: material.specular,
-            exponent: material.exponent(),
+            gloss: Gloss::new(material.specular, material.roughness),
             emissive: material.emissive,
         }
     }
@@ -156,7 +153,7 @@ impl Shader {
                     continue;
                 }
                 let half = (s.view + direction).normalize_or_zero();
-                let reflected = reflection(s.albedo, s.specular, s.exponent, s.normal, direction, half);
+                let reflected = s.gloss.reflected(s.albedo, s.normal, direction, half);
                 if reflected != Vec3::ZERO {
                     let end = f64::from(incoming.distance * towards.length());
                     let flight = flight(s.pixel, seed, Use::Light(number), s.sample);

@@ -1,0 +1,358 @@
+//! Deep shadow maps: what the light meets along a line through all coats, found once and kept for all points behind it.
+//! [Lokovic00]
+//!
+//! A pixel shows a handful of voxels, and each would send a cone to each light; but seen from the light, those of
+//! neighbouring pixels stand behind each other. So the light's lines are sorted into cells as wide as a pixel is where the
+//! light falls ([`light_lines`](super::light_lines)): about one for each pixel. What a line holds hangs on its cell alone,
+//! not on who asked first: neither threads nor tiles nor crops change a picture.
+//!
+//! A light that is no point needs cones that widen towards it: the further, the wider, by octaves, each from a line of
+//! cells as much wider.
+
+use std::collections::HashMap;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::hash::{BuildHasherDefault, Hash, Hasher};
+
+use glam::DVec3;
+use pelage_geom::{Cone, Ray};
+
+use super::composite::KeyHasher;
+use super::light_lines::LightLines;
+use super::march::{Beam, march, through};
+use super::passages::{self, BoxPassage};
+use super::shadow::ShadowCone;
+use super::{Blend, Trail};
+use crate::{Scene, Settings};
+
+/// More layers than these are not kept: some megabytes for each thread.
+const MOST_LAYERS: usize = 1 << 17;
+
+/// Cells are between a half and the whole of what is asked for: wider ones would save a tenth of the time, and move light by
+/// up to 1 %. [docs/notes/performance.md]
+const CELL: f64 = FRAC_1_SQRT_2;
+
+/// A cone widens by no more octaves than these: it is wider than anything then.
+const MOST_STEPS: i32 = 24;
+
+/// Which line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct LineKey {
+    light: u32,
+    face: u8,
+    /// The width of cells, and that of the cone, as powers of 2 (times [`Scene::edge`], of the sun's cones).
+    octaves: [i16; 2],
+    cell: [i64; 2],
+}
+
+impl Hash for LineKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        let Self { light, face, octaves: [cells, width], cell: [x, y] } = *self;
+        let octaves = u64::from(cells as u16) << 16 | u64::from(width as u16);
+        state.write_u64(octaves << 32 ^ u64::from(face) << 29 ^ u64::from(light));
+        state.write_u64((x as u64).rotate_left(32) ^ y as u64);
+    }
+}
+
+/// What the light meets of one voxel.
+#[derive(Clone, Copy, Debug)]
+struct Layer {
+    /// Where it enters and leaves it, from the line's first layer on.
+    near: f32,
+    far: f32,
+    /// Optical depth, and what gets through it.
+    depth: f32,
+    through: f32,
+    /// As of a [`Piece`](super::Piece).
+    even: f32,
+    level: u8,
+}
+
+/// What the light meets along a line.
+#[derive(Clone, Copy, Debug)]
+struct Layers {
+    /// Distance from the line's origin to its first layer.
+    base: f64,
+    first: u32,
+    end: u32,
+}
+
+/// The lines of all lights that were asked for lately.
+#[derive(Default)]
+pub(super) struct DeepShadows {
+    lines: HashMap<LineKey, Layers, BuildHasherDefault<KeyHasher>>,
+    layers: Vec<Layer>,
+    passages: Vec<BoxPassage>,
+}
+
+impl DeepShadows {
+    /// The part of a light that the coats let through to the begin of a shadow cone, by the line whose cell, about
+    /// `fineness` wide (scene units), it lies in.
+    pub fn transmittance(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        light: usize,
+        shadow: &ShadowCone,
+        fineness: f64,
+        trail: &mut Trail,
+    ) -> f32 {
+        let Some(lines) = LightLines::new(&scene.lights[light], scene) else { return 1.0 };
+        let place = lines.place(shadow.origin);
+        let widths = Widths::new(&lines, scene, shadow);
+        let cells = octave(CELL * fineness / place.scale);
+        let mut blend = Blend::START;
+        let mut reached = shadow.start;
+        for step in 0..=MOST_STEPS {
+            let size = f64::from(cells + step).exp2();
+            let cell = (place.at / size).floor();
+            let ray = lines.line(place.face, (cell + 0.5) * size);
+            let here = level_with(&ray, shadow.origin, shadow.normal.as_dvec3());
+            if here <= reached {
+                break;
+            }
+            let end = widths.end(step);
+            let key = LineKey {
+                light: light as u32,
+                face: place.face,
+                octaves: [(cells + step) as i16, (widths.octave + step) as i16],
+                cell: [cell.x as i64, cell.y as i64],
+            };
+            let cone = widths.cone(step);
+            let layers = self.layers_of(scene, key, Beam { ray: &ray, cone: &cone, settings }, trail);
+            let here = here - layers.base;
+            let (from, to) = ((here - end) as f32, (here - reached) as f32);
+            let layers = &self.layers[layers.first as usize..layers.end as usize];
+            let nearer = layers.partition_point(|layer| layer.near < to);
+            for layer in layers[..nearer].iter().rev().filter(|layer| layer.far > from) {
+                let (near, far) = (layer.near.max(from), layer.far.min(to));
+                let whole = near == layer.near && far == layer.far;
+                let part = if whole { 1.0 } else { (far - near) / (layer.far - layer.near) };
+                let part = part * shadow.correlation.factor(here as f32 - far, here as f32 - near);
+                // What counts in full is known already.
+                let passed =
+                    if part == 1.0 { layer.through } else { through(settings.opacity, part * layer.depth) };
+                blend.pass(layer.level, layer.even, passed);
+                if blend.transmittance() < settings.min_transmittance {
+                    return 0.0;
+                }
+            }
+            reached = end;
+        }
+        blend.transmittance()
+    }
+
+    /// What the light meets along a line, until next to nothing is left of it.
+    fn layers_of(&mut self, scene: &Scene, key: LineKey, beam: Beam, trail: &mut Trail) -> Layers {
+        if let Some(known) = self.lines.get(&key) {
+            return *known;
+        }
+        if self.layers.len() > MOST_LAYERS {
+            self.lines.clear();
+            self.layers.clear();
+        }
+        let first = self.layers.len();
+        let least = beam.settings.min_transmittance;
+        trail.counts.light_cones += 1;
+        passages::collect(scene, beam.ray, 0.0, f64::INFINITY, &mut self.passages);
+        let base = self.passages.first().map_or(0.0, |passage| passage.t[0]);
+        let mut blend = Blend::START;
+        for passage in &self.passages {
+            trail.chords.clear();
+            march(scene, beam, passage, blend.transmittance(), least, trail);
+            for piece in trail.pieces() {
+                blend.pass(piece.key.level, piece.even, piece.through);
+                let [near, far] = trail.chords[piece.chord as usize].distances(piece.range);
+                self.layers.push(Layer {
+                    near: (near - base) as f32,
+                    far: (far - base) as f32,
+                    depth: piece.depth,
+                    through: piece.through,
+                    even: piece.even,
+                    level: piece.key.level,
+                });
+            }
+            if blend.transmittance() < least {
+                break;
+            }
+        }
+        // Stable: boxes may overlap, and of equal distances the first stays first.
+        self.layers[first..].sort_by(|a, b| a.near.total_cmp(&b.near));
+        let layers = Layers { base, first: first as u32, end: self.layers.len() as u32 };
+        self.lines.insert(key, layers);
+        layers
+    }
+}
+
+/// Where a line that passes beside a point is as high above the surface as the point is, whose normal is given: a point at
+/// the top of a coat stays at its top. Where the line goes along the surface, next to the point.
+fn level_with(line: &Ray, point: DVec3, normal: DVec3) -> f64 {
+    let beside = (point - line.origin).dot(line.direction);
+    let aside = point - line.at(beside);
+    let further = aside.dot(normal) / line.direction.dot(normal);
+    let most = MOST_FURTHER * aside.length();
+    beside + if further.is_finite() { further.clamp(-most, most) } else { 0.0 }
+}
+
+/// A point moves along the light by at most so many times what its line is aside.
+const MOST_FURTHER: f64 = 3.0;
+
+/// How wide a cone from a point to a light is: by octaves, the further from the point.
+struct Widths {
+    /// The octave that it begins with.
+    octave: i32,
+    /// Scene units by unit of width: of the sun's cones those of [`Scene::edge`], so that voxels of boxes like most are as
+    /// wide as a whole octave; a lamp's are as wide as they are far from it.
+    unit: f64,
+    /// Its width at the point, in units, and what it gains by unit of distance.
+    width: f64,
+    spread: f64,
+    /// How far a lamp is, which it narrows towards; infinite for the sun.
+    distance: f64,
+}
+
+impl Widths {
+    fn new(lines: &LightLines, scene: &Scene, shadow: &ShadowCone) -> Self {
+        let (unit, distance) = match lines {
+            LightLines::Sun { .. } => (scene.edge, f64::INFINITY),
+            LightLines::Lamp { .. } => (shadow.end, shadow.end),
+        };
+        let Cone { width, spread } = shadow.cone;
+        let (width, spread) = (width / unit, spread / unit);
+        Self { octave: octave(width), unit, width, spread, distance }
+    }
+
+    /// The cone of the light's line that stands for the cone after `step` octaves.
+    fn cone(&self, step: i32) -> Cone {
+        let width = f64::from(self.octave + step).exp2();
+        match self.distance == f64::INFINITY {
+            true => Cone { width: width * self.unit, spread: 0.0 },
+            false => Cone { width: 0.0, spread: width },
+        }
+    }
+
+    /// The distance from the point at which the cone has widened by half an octave more than `step` of them.
+    fn end(&self, step: i32) -> f64 {
+        if step == MOST_STEPS {
+            return f64::INFINITY;
+        }
+        let more = (SQRT_2 * f64::from(self.octave + step).exp2() - self.width).max(f64::MIN_POSITIVE);
+        match self.distance == f64::INFINITY {
+            // width + spread · d
+            true => more / self.spread,
+            // As seen from the lamp: width + spread · d · distance / (distance − d), as `spread` is per `unit`.
+            false => self.distance * more / (self.spread * self.distance + more),
+        }
+    }
+}
+
+/// The nearest power of 2.
+fn octave(width: f64) -> i32 {
+    width.log2().round().clamp(-500.0, 500.0) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use pelage_skin::{SkinOptions, extrude, surface};
+    use pelage_texel::{BuildOptions, Grass, build};
+
+    use super::super::path::lattice_inverse;
+    use super::super::shadow::{Correlation, ShadowBuffers};
+    use super::*;
+    use crate::hash::Drawn;
+    use crate::{Coat, Description, Environment, Light};
+
+    /// A ring of thin grass under some lights.
+    fn scene(lights: Vec<Light>) -> Scene {
+        let grass = Grass { count: 40, segments: 3, ..Grass::meadow() };
+        let options = BuildOptions { depth: 4, ..BuildOptions::standard() };
+        let texel = build("grass", grass, &options, &|_| ()).expect("grass grows");
+        let mesh = surface::torus(1.0, 0.4, 24, 12);
+        let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.2)).expect("a torus extrudes");
+        Scene::new(Description {
+            meshes: vec![],
+            coats: vec![Coat { skin, texels: texel.into(), tint: Vec3::ONE, wears_material: false }],
+            materials: vec![],
+            textures: vec![],
+            lights,
+            environment: Environment::BLACK,
+        })
+        .expect("a sound scene")
+    }
+
+    /// Cones to a light from points all over the coat, as wide as a voxel of level 3.
+    fn cones(scene: &Scene, light: usize) -> Vec<ShadowCone> {
+        let mut drawn = Drawn::from([7]);
+        let cone = |_| {
+            let patch = (drawn.unit() * scene.box_count() as f32) as u32;
+            let u = DVec3::new(drawn.unit().into(), drawn.unit().into(), drawn.unit().into());
+            let map = scene.hexahedron(patch).map();
+            let (origin, jacobian) = (map.point(u), map.jacobian(u).as_mat3());
+            let incoming = scene.lights[light].incoming(origin.as_vec3())?;
+            let texel = jacobian * lattice_inverse(&scene.patch(patch).1.lattice);
+            let width = f64::from(texel.determinant().abs().cbrt() / 8.0);
+            Some(ShadowCone {
+                origin,
+                direction: incoming.direction.as_dvec3().normalize(),
+                start: 0.5 * width,
+                end: incoming.distance.into(),
+                normal: jacobian.x_axis.cross(jacobian.y_axis).normalize_or_zero(),
+                cone: Cone { width, spread: incoming.spread.into() },
+                correlation: Correlation::NONE,
+            })
+        };
+        (0..1500).filter_map(cone).collect()
+    }
+
+    #[test]
+    fn lines_of_the_light_agree_with_cones_to_it() {
+        let sun = |angle| Light::Directional {
+            direction: Vec3::new(-1.0, -2.0, -0.5),
+            illuminance: Vec3::ONE,
+            angle,
+        };
+        let lamp = |radius| Light::Point { position: Vec3::new(0.3, 1.4, 0.2), intensity: Vec3::ONE, radius };
+        let scene = scene(vec![sun(0.0), sun(0.3), lamp(0.0), lamp(0.3)]);
+        let (settings, mut buffers) = (Settings::default(), ShadowBuffers::default());
+        for light in 0..scene.lights.len() {
+            let cones = cones(&scene, light);
+            let exact: Vec<f32> =
+                cones.iter().map(|cone| buffers.through_coats(&scene, &settings, cone)).collect();
+            let mut found = |fineness: f64| -> Vec<f32> {
+                let of =
+                    |c: &ShadowCone| buffers.of_light(&scene, &settings, light, c, fineness * c.cone.width);
+                cones.iter().map(of).collect()
+            };
+            let mean = |list: &[f32]| list.iter().sum::<f32>() / list.len() as f32;
+            let error = |list: &[f32]| {
+                (list.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f32>() / list.len() as f32)
+                    .sqrt()
+            };
+            let [coarse, fine] = [found(1.0), found(0.125)];
+            // Points move to the middle of their cells, which is fair on the mean and the closer the smaller they are.
+            let exact_mean = mean(&exact);
+            assert!((0.2..0.8).contains(&exact_mean));
+            assert!((mean(&coarse) - exact_mean).abs() < 0.03 * exact_mean, "light {light}");
+            assert!((mean(&fine) - exact_mean).abs() < 0.015 * exact_mean, "light {light}");
+            assert!(error(&fine) < 0.7 * error(&coarse), "light {light}");
+        }
+    }
+
+    #[test]
+    fn who_asks_first_changes_nothing() {
+        let sun = Light::Directional { direction: Vec3::NEG_Y, illuminance: Vec3::ONE, angle: 0.1 };
+        let scene = scene(vec![sun]);
+        let (settings, cones) = (Settings::default(), cones(&scene, 0));
+        let mut ask = |buffers: &mut ShadowBuffers, cone: &ShadowCone| {
+            buffers.of_light(&scene, &settings, 0, cone, cone.cone.width)
+        };
+        let mut one = ShadowBuffers::default();
+        let forth: Vec<f32> = cones.iter().map(|cone| ask(&mut one, cone)).collect();
+        let mut other = ShadowBuffers::default();
+        let mut back: Vec<f32> = cones.iter().rev().map(|cone| ask(&mut other, cone)).collect();
+        back.reverse();
+        assert_eq!(forth, back);
+        let alone = cones.iter().map(|cone| ask(&mut ShadowBuffers::default(), cone));
+        assert!(alone.eq(forth));
+    }
+}
