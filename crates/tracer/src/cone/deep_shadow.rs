@@ -10,7 +10,7 @@
 //! cells as much wider.
 
 use std::collections::HashMap;
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::f64::consts::SQRT_2;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
 
 use glam::DVec3;
@@ -26,10 +26,6 @@ use crate::{Scene, Settings};
 
 /// More layers than these are not kept: some megabytes for each thread.
 const MOST_LAYERS: usize = 1 << 17;
-
-/// Cells are between a half and the whole of what is asked for: wider ones would save a tenth of the time, and move light by
-/// up to 1 %. [docs/notes/performance.md]
-const CELL: f64 = FRAC_1_SQRT_2;
 
 /// A cone widens by no more octaves than these: it is wider than anything then.
 const MOST_STEPS: i32 = 24;
@@ -99,7 +95,7 @@ impl DeepShadows {
         let Some(lines) = LightLines::new(&scene.lights[light], scene) else { return 1.0 };
         let place = lines.place(shadow.origin);
         let widths = Widths::new(&lines, scene, shadow);
-        let cells = octave(CELL * fineness / place.scale);
+        let cells = octave(fineness / place.scale);
         let mut blend = Blend::START;
         let mut reached = shadow.start;
         for step in 0..=MOST_STEPS {

@@ -64,7 +64,13 @@ struct Sums {
     /// What is reflected of the surroundings, weighed: of those above and of those below the surface that the texel
     /// stands on.
     sky: [Vec3x4; 2],
+    /// Normals (texel space), weighed.
+    normal: Vec3x4,
 }
+
+/// How long the mean of unit normals is of parts that begin to face alike, and of those that do. Of what is seen of a
+/// sphere it is ⅔ long, of an upright cylinder π/4.
+const FACING_ALIKE: [f32; 2] = [0.85, 0.95];
 
 /// Of four hemispheres: how much is open, and the sums of the open directions (texel space), above and below.
 type Halves = [(f32x4, Vec3x4); 2];
@@ -81,6 +87,15 @@ impl Facing {
     /// Whether nothing of the voxel is seen so far.
     pub fn is_blank(&self) -> bool {
         self.sums.weight == f32x4::ZERO
+    }
+
+    /// The normal (scene space, of any length) of the surface along which what is seen stays what it is: of parts that face
+    /// alike their own, else that of the surface that the texel stands on.
+    pub fn along(&self) -> Vec3 {
+        let mean = self.sums.normal.sum() / self.sums.weight.reduce_add();
+        let [least, most] = FACING_ALIKE;
+        let alike = ((mean.length() - least) / (most - least)).clamp(0.0, 1.0);
+        self.cofactor * Vec3::Z.lerp(mean.normalize_or(Vec3::Z), alike)
     }
 
     /// What is sent back of the surroundings above and below, of all that is open.
@@ -211,6 +226,7 @@ impl Facing {
     ) {
         let color = color * Vec3x4::splat(self.tint);
         self.sums.weight += weight;
+        self.sums.normal += normal * weight;
         if let Some(environment) = &self.environment {
             let [above, below] = &mut self.sums.sky;
             match sky().filter(|_| self.shadows) {

@@ -122,7 +122,7 @@ impl Shader {
                     direction,
                     start: f64::from(near / (inverse * to_light).length()),
                     end,
-                    normal: (facing.cofactor * Vec3::Z).normalize_or_zero(),
+                    normal: facing.along().normalize_or_zero(),
                     cone: Cone { width, spread: f64::from(incoming.spread) },
                     correlation: correlation(&inverse, view, to_light, apart),
                 };

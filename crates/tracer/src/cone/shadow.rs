@@ -21,7 +21,7 @@ pub(crate) struct ShadowCone {
     pub start: f64,
     /// How far the light is.
     pub end: f64,
-    /// Unit normal of the surface below: what lies beside the point, as high above it, is as the point is.
+    /// Unit normal of the surface along which the point may move and stay what it is: its own, or that below the coat.
     pub normal: Vec3,
     /// The cone's width; as wide as what is shaded, and widening with the light's size.
     pub cone: Cone,
