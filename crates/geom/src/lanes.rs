@@ -52,7 +52,8 @@ impl Vec3x4 {
         let scale = f32x4::ONE / self.length();
         let possible = scale.simd_gt(f32x4::ZERO) & scale.is_finite();
         // All bits of a lane, or none.
-        Self { x: self.x * scale & possible, y: self.y * scale & possible, z: self.z * scale & possible }
+        let kept = |along: f32x4| (along * scale) & possible;
+        Self { x: kept(self.x), y: kept(self.y), z: kept(self.z) }
     }
 
     /// Each carried by the same matrix.

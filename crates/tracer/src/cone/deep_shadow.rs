@@ -24,8 +24,9 @@ use super::shadow::ShadowCone;
 use super::{Blend, Trail};
 use crate::{Scene, Settings};
 
-/// More layers than these are not kept: some megabytes for each thread.
+/// More layers and lines than these are not kept: some megabytes for each thread.
 const MOST_LAYERS: usize = 1 << 17;
+const MOST_LINES: usize = 1 << 16;
 
 /// A cone widens by no more octaves than these: it is wider than anything then.
 const MOST_STEPS: i32 = 24;
@@ -142,7 +143,7 @@ impl DeepShadows {
         if let Some(known) = self.lines.get(&key) {
             return *known;
         }
-        if self.layers.len() > MOST_LAYERS {
+        if self.layers.len() > MOST_LAYERS || self.lines.len() > MOST_LINES {
             self.lines.clear();
             self.layers.clear();
         }
@@ -179,8 +180,8 @@ impl DeepShadows {
     }
 }
 
-/// Where a line that passes beside a point is as high above the surface as the point is, whose normal is given: a point at
-/// the top of a coat stays at its top. Where the line goes along the surface, next to the point.
+/// Where a line that passes beside a point meets the plane through the point with the normal: a point of a surface stays
+/// on it, and one at the top of a coat at its top. Where the line goes along the plane, not far from the point.
 fn level_with(line: &Ray, point: DVec3, normal: DVec3) -> f64 {
     let beside = (point - line.origin).dot(line.direction);
     let aside = point - line.at(beside);
@@ -260,8 +261,8 @@ mod tests {
 
     /// A ring of thin grass under some lights.
     fn scene(lights: Vec<Light>) -> Scene {
-        let grass = Grass { count: 40, segments: 3, ..Grass::meadow() };
-        let options = BuildOptions { depth: 4, ..BuildOptions::standard() };
+        let grass = Grass { count: 24, segments: 1, ..Grass::meadow() };
+        let options = BuildOptions { depth: 3, ..BuildOptions::standard() };
         let texel = build("grass", grass, &options, &|_| ()).expect("grass grows");
         let mesh = surface::torus(1.0, 0.4, 24, 12);
         let skin = extrude(&mesh, &|_| true, &SkinOptions::new(0.2)).expect("a torus extrudes");
@@ -297,7 +298,7 @@ mod tests {
                 correlation: Correlation::NONE,
             })
         };
-        (0..1500).filter_map(cone).collect()
+        (0..800).filter_map(cone).collect()
     }
 
     #[test]
@@ -339,7 +340,7 @@ mod tests {
         let sun = Light::Directional { direction: Vec3::NEG_Y, illuminance: Vec3::ONE, angle: 0.1 };
         let scene = scene(vec![sun]);
         let (settings, cones) = (Settings::default(), cones(&scene, 0));
-        let mut ask = |buffers: &mut ShadowBuffers, cone: &ShadowCone| {
+        let ask = |buffers: &mut ShadowBuffers, cone: &ShadowCone| {
             buffers.of_light(&scene, &settings, 0, cone, cone.cone.width)
         };
         let mut one = ShadowBuffers::default();

@@ -99,7 +99,7 @@ impl Facing {
     }
 
     /// What is sent back of the surroundings above and below, of all that is open.
-    pub fn from_sky(&self) -> [Vec3; 2] {
+    pub fn sky(&self) -> [Vec3; 2] {
         let whole = self.sums.weight.reduce_add();
         let [above, below] = &self.sums.sky;
         [above.sum() / whole, below.sum() / whole]
@@ -118,7 +118,11 @@ impl Facing {
         let mut four = [Surfel::NOWHERE; 4];
         let mut surfels = level.surfels(voxel);
         loop {
-            let filled = four.iter_mut().map_while(|slot| Some(*slot = surfels.next()?)).count();
+            let mut filled = 0;
+            for (slot, surfel) in four.iter_mut().zip(&mut surfels) {
+                *slot = surfel;
+                filled += 1;
+            }
             let sees = SurfelsX4::new(&four[..filled]).sees(eye);
             for (_, surfel) in four.iter().enumerate().filter(|(i, _)| sees >> i & 1 != 0) {
                 seen[count] = *surfel;
@@ -250,7 +254,7 @@ impl Facing {
             let lit = if self.shadows { lit(light) } else { f32x4::ONE };
             let normal = normal.carried(&self.cofactor).normalize_or_zero();
             let reflected = self.gloss.reflected_x4(color, normal, light.incoming.direction, light.half);
-            light.reflected += reflected * (weight * lit & facing);
+            light.reflected += reflected * ((weight * lit) & facing);
         }
     }
 }

@@ -83,7 +83,7 @@ impl Shader {
             facing.add_ellipsoid(&level.voxel(seen.voxel), settings.normals);
         }
 
-        let [mut radiance, from_below] = facing.from_sky();
+        let [mut radiance, from_below] = facing.sky();
         if settings.shadows {
             // Of the sky, the masks say what is near, the openness there what is above beyond that, and a cone what is
             // below: as a rule, the surface that the coat stands on.
