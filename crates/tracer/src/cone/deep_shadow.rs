@@ -6,6 +6,9 @@
 //! light falls ([`light_lines`](super::light_lines)): about one for each pixel. What a line holds hangs on its cell alone,
 //! not on who asked first: neither threads nor tiles nor crops change a picture.
 //!
+//! Of a line it is known at once which boxes it goes through, and what it meets in each when a point behind asks first:
+//! points ask from themselves towards the light, as far as anything is left of it.
+//!
 //! A light that is no point needs cones that widen towards it: the further, the wider, by octaves, each from a line of
 //! cells as much wider.
 
@@ -17,7 +20,7 @@ use glam::DVec3;
 use pelage_geom::{Cone, Ray};
 
 use super::composite::KeyHasher;
-use super::light_lines::LightLines;
+use super::light_lines::{LightLines, Place};
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
 use super::shadow::ShadowCone;
@@ -26,10 +29,27 @@ use crate::{Scene, Settings};
 
 /// More layers and lines than these are not kept: some megabytes for each thread.
 const MOST_LAYERS: usize = 1 << 17;
-const MOST_LINES: usize = 1 << 16;
+const MOST_LINES: usize = 1 << 15;
 
 /// A cone widens by no more octaves than these: it is wider than anything then.
 const MOST_STEPS: i32 = 24;
+
+/// Cells are this part of what is asked for, from 1/√2 to √2 times that.
+const CELL: f64 = 1.0;
+
+/// Over this much of an octave one width of cells gives way to the next.
+const FADE: f32 = 0.4;
+
+/// What is asked, for whichever cells.
+struct Asked<'a> {
+    scene: &'a Scene,
+    settings: &'a Settings,
+    light: usize,
+    shadow: &'a ShadowCone,
+    lines: LightLines,
+    place: Place,
+    widths: Widths,
+}
 
 /// Which line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +73,7 @@ impl Hash for LineKey {
 /// What the light meets of one voxel.
 #[derive(Clone, Copy, Debug)]
 struct Layer {
-    /// Where it enters and leaves it, from the line's first layer on.
+    /// Where it enters and leaves it, from where it entered the box.
     near: f32,
     far: f32,
     /// Optical depth, and what gets through it.
@@ -64,19 +84,21 @@ struct Layer {
     level: u8,
 }
 
-/// What the light meets along a line.
+/// What the light meets of one box.
 #[derive(Clone, Copy, Debug)]
-struct Layers {
-    /// Distance from the line's origin to its first layer.
-    base: f64,
-    first: u32,
-    end: u32,
+struct Part {
+    passage: BoxPassage,
+    /// Its layers: from which on, and to which; `None` as long as nobody has asked for them.
+    layers: Option<[u32; 2]>,
 }
 
 /// The lines of all lights that were asked for lately.
 #[derive(Default)]
 pub(super) struct DeepShadows {
-    lines: HashMap<LineKey, Layers, BuildHasherDefault<KeyHasher>>,
+    /// The parts of each line: from which on, and to which.
+    lines: HashMap<LineKey, [u32; 2], BuildHasherDefault<KeyHasher>>,
+    /// In order of entry, line by line.
+    parts: Vec<Part>,
     layers: Vec<Layer>,
     passages: Vec<BoxPassage>,
 }
@@ -96,7 +118,22 @@ impl DeepShadows {
         let Some(lines) = LightLines::new(&scene.lights[light], scene) else { return 1.0 };
         let place = lines.place(shadow.origin);
         let widths = Widths::new(&lines, scene, shadow);
-        let cells = octave(fineness / place.scale);
+        let asked = Asked { scene, settings, light, shadow, lines, place, widths };
+        let cells = (CELL * fineness / place.scale).log2().clamp(-500.0, 500.0);
+        let (octave, part) = (cells.floor(), (cells - cells.floor()) as f32);
+        let octave = octave as i32;
+        // From one width of cells to the next by and by: what they do to light is another for each.
+        let wider = ((part - 0.5) / FADE + 0.5).clamp(0.0, 1.0);
+        let mut of = |octave: i32, weight: f32| match weight > 0.0 {
+            true => weight * self.through_cells(&asked, octave, trail),
+            false => 0.0,
+        };
+        of(octave, 1.0 - wider) + of(octave + 1, wider)
+    }
+
+    /// The same by cells of a width (2 to that power, in units of the raster).
+    fn through_cells(&mut self, asked: &Asked, cells: i32, trail: &mut Trail) -> f32 {
+        let Asked { scene, settings, light, shadow, ref lines, place, ref widths } = *asked;
         let mut blend = Blend::START;
         let mut reached = shadow.start;
         for step in 0..=MOST_STEPS {
@@ -115,20 +152,32 @@ impl DeepShadows {
                 cell: [cell.x as i64, cell.y as i64],
             };
             let cone = widths.cone(step);
-            let layers = self.layers_of(scene, key, Beam { ray: &ray, cone: &cone, settings }, trail);
-            let here = here - layers.base;
-            let (from, to) = ((here - end) as f32, (here - reached) as f32);
-            let layers = &self.layers[layers.first as usize..layers.end as usize];
-            let nearer = layers.partition_point(|layer| layer.near < to);
-            for layer in layers[..nearer].iter().rev().filter(|layer| layer.far > from) {
-                let (near, far) = (layer.near.max(from), layer.far.min(to));
-                let whole = near == layer.near && far == layer.far;
-                let part = if whole { 1.0 } else { (far - near) / (layer.far - layer.near) };
-                let part = part * shadow.correlation.factor(here as f32 - far, here as f32 - near);
-                // What counts in full is known already.
-                let passed =
-                    if part == 1.0 { layer.through } else { through(settings.opacity, part * layer.depth) };
-                blend.pass(layer.level, layer.even, passed);
+            let beam = Beam { ray: &ray, cone: &cone, settings };
+            let [first, last] = self.parts_of(scene, key, &ray, trail);
+            // From the point on, as far as anything is left of the light.
+            for index in (first..last).rev() {
+                let [enter, leave] = self.parts[index as usize].passage.t;
+                if enter >= here - reached || leave <= here - end {
+                    continue;
+                }
+                let (here, from, to) = (here - enter, here - enter - end, here - enter - reached);
+                let (here, from, to) = (here as f32, from as f32, to as f32);
+                for layer in self.layers_of(scene, index, beam, trail).iter().rev() {
+                    let (near, far) = (layer.near.max(from), layer.far.min(to));
+                    if near >= far {
+                        continue;
+                    }
+                    let whole = near == layer.near && far == layer.far;
+                    let part = if whole { 1.0 } else { (far - near) / (layer.far - layer.near) };
+                    let part = part * shadow.correlation.factor(here - far, here - near);
+                    // What counts in full is known already.
+                    let passed = if part == 1.0 {
+                        layer.through
+                    } else {
+                        through(settings.opacity, part * layer.depth)
+                    };
+                    blend.pass(layer.level, layer.even, passed);
+                }
                 if blend.transmittance() < settings.min_transmittance {
                     return 0.0;
                 }
@@ -138,45 +187,48 @@ impl DeepShadows {
         blend.transmittance()
     }
 
-    /// What the light meets along a line, until next to nothing is left of it.
-    fn layers_of(&mut self, scene: &Scene, key: LineKey, beam: Beam, trail: &mut Trail) -> Layers {
+    /// The boxes that a line goes through.
+    fn parts_of(&mut self, scene: &Scene, key: LineKey, ray: &Ray, trail: &mut Trail) -> [u32; 2] {
         if let Some(known) = self.lines.get(&key) {
             return *known;
         }
         if self.layers.len() > MOST_LAYERS || self.lines.len() > MOST_LINES {
             self.lines.clear();
+            self.parts.clear();
             self.layers.clear();
         }
-        let first = self.layers.len();
-        let least = beam.settings.min_transmittance;
         trail.counts.light_cones += 1;
-        passages::collect(scene, beam.ray, 0.0, f64::INFINITY, &mut self.passages);
-        let base = self.passages.first().map_or(0.0, |passage| passage.t[0]);
-        let mut blend = Blend::START;
-        for passage in &self.passages {
+        passages::collect(scene, ray, 0.0, f64::INFINITY, &mut self.passages);
+        let first = self.parts.len() as u32;
+        self.parts.extend(self.passages.iter().map(|&passage| Part { passage, layers: None }));
+        let parts = [first, self.parts.len() as u32];
+        self.lines.insert(key, parts);
+        parts
+    }
+
+    /// What the light meets of a box, until next to nothing would be left of it.
+    fn layers_of(&mut self, scene: &Scene, index: u32, beam: Beam, trail: &mut Trail) -> &[Layer] {
+        let Part { passage, layers } = self.parts[index as usize];
+        let [first, end] = layers.unwrap_or_else(|| {
+            let first = self.layers.len();
             trail.chords.clear();
-            march(scene, beam, passage, blend.transmittance(), least, trail);
+            march(scene, beam, &passage, 1.0, beam.settings.min_transmittance, trail);
             for piece in trail.pieces() {
-                blend.pass(piece.key.level, piece.even, piece.through);
                 let [near, far] = trail.chords[piece.chord as usize].distances(piece.range);
                 self.layers.push(Layer {
-                    near: (near - base) as f32,
-                    far: (far - base) as f32,
+                    near: (near - passage.t[0]) as f32,
+                    far: (far - passage.t[0]) as f32,
                     depth: piece.depth,
                     through: piece.through,
                     even: piece.even,
                     level: piece.key.level,
                 });
             }
-            if blend.transmittance() < least {
-                break;
-            }
-        }
-        // Stable: boxes may overlap, and of equal distances the first stays first.
-        self.layers[first..].sort_by(|a, b| a.near.total_cmp(&b.near));
-        let layers = Layers { base, first: first as u32, end: self.layers.len() as u32 };
-        self.lines.insert(key, layers);
-        layers
+            let layers = [first as u32, self.layers.len() as u32];
+            self.parts[index as usize].layers = Some(layers);
+            layers
+        });
+        &self.layers[first as usize..end as usize]
     }
 }
 
