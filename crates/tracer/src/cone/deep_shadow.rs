@@ -38,7 +38,7 @@ const MOST_STEPS: i32 = 24;
 const CELL: f64 = 1.0;
 
 /// Over this much of an octave one width of cells gives way to the next.
-const FADE: f32 = 0.4;
+const FADE: f32 = 0.2;
 
 /// What is asked, for whichever cells.
 struct Asked<'a> {
