@@ -24,6 +24,7 @@ mod exposure;
 #[cfg(feature = "file")]
 pub mod file;
 mod flat;
+mod four;
 mod grid;
 mod kinds;
 mod line;
@@ -50,16 +51,17 @@ mod voxelise;
 pub use build::{BuildOptions, build, build_exact};
 pub use density::Density;
 pub use error::{BuildError, TexelError};
+pub use four::{LobesX4, Samples, SurfelsX4};
 pub use kinds::{
     Domain, Foliage, Fur, Grass, Hypertexture, Kind, Leaves, Moss, Needles, Parameter, Pile, Preset, Sheet,
     Spheres, Value,
 };
 pub use line::{Crossing, Line};
-pub use lobe::{Lobe, LobesX4};
+pub use lobe::Lobe;
 pub use octree::{Level, Texel};
 pub use procedure::{Geometry, Procedure};
 pub use scatterer::{Scatterer, Scatterers};
 pub use source::Source;
-pub use surfel::{Surfel, SurfelsX4};
+pub use surfel::Surfel;
 pub use traverse::{Step, Walk};
 pub use voxel::Voxel;

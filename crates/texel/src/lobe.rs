@@ -9,12 +9,10 @@
 use std::ops::Range;
 
 use glam::{IVec2, Vec2, Vec3, vec2};
-use pelage_geom::Vec3x4;
 use rayon::prelude::*;
-use wide::f32x4;
 
-use crate::sample::{Sample, Samples, snapped_normal};
-use crate::surfel::{Corners, Surfel, from_disk, on_disk, on_disk_x4};
+use crate::sample::{Sample, snapped_normal};
+use crate::surfel::{Surfel, from_disk, on_disk};
 
 /// The surface that faces alike, of what is seen of a voxel from one direction. 22 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +57,12 @@ impl Lobe {
             open[cell / 4] |= (thirds as u8) << (2 * (cell % 4));
         }
         Self { open, sample: Sample::new(facing, mean(&Surfel::color), (share / largest).min(1.0)) }
+    }
+
+    /// Normal, colour and weight.
+    #[inline]
+    pub(crate) fn sample(&self) -> Sample {
+        self.sample
     }
 
     /// The cells and the sample.
@@ -136,53 +140,8 @@ impl Lobe {
 
     /// The part that is open through a cell.
     #[inline]
-    fn part(&self, cell: usize) -> f32 {
+    pub(crate) fn part(&self, cell: usize) -> f32 {
         f32::from(self.open[cell / 4] >> (2 * (cell % 4)) & 3) * (1.0 / 3.0)
-    }
-}
-
-/// Four lobes side by side.
-#[derive(Clone, Copy, Debug)]
-pub struct LobesX4 {
-    four: [Lobe; 4],
-    samples: Samples,
-}
-
-impl LobesX4 {
-    /// Of four.
-    #[inline]
-    pub fn new(four: [Lobe; 4]) -> Self {
-        Self { four, samples: Samples::new([four[0].sample, four[1].sample, four[2].sample, four[3].sample]) }
-    }
-
-    /// [`Lobe::normal`] of each.
-    #[inline]
-    pub fn normal(&self) -> Vec3x4 {
-        self.samples.normal
-    }
-
-    /// [`Lobe::color`] of each.
-    #[inline]
-    pub fn color(&self) -> Vec3x4 {
-        self.samples.color
-    }
-
-    /// [`Lobe::weight`] of each.
-    #[inline]
-    pub fn weight(&self) -> f32x4 {
-        self.samples.weight
-    }
-
-    /// [`Lobe::lit`] of each.
-    #[inline]
-    pub fn lit(&self, alike: f32, light: Vec3) -> f32x4 {
-        let light = Vec3x4::splat(light);
-        let normal = self.samples.normal;
-        let facing = normal.dot(light).simd_gt(f32x4::ZERO);
-        let [x, y] = on_disk_x4(&normal.any_orthonormal_pair(), light);
-        let half = f32x4::splat(0.5);
-        let open = Corners::new([x - half, y - half]).between(|i, cell| self.four[i].part(cell));
-        facing & (open + (f32x4::ONE - open) * f32x4::splat(alike))
     }
 }
 

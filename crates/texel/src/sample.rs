@@ -3,13 +3,10 @@
 
 use glam::{Vec2, Vec3};
 
-use pelage_geom::Vec3x4;
-use wide::f32x4;
-
-use crate::packed::{bytes, folded, folded_x4, unfolded, unit};
+use crate::packed::{bytes, folded, unfolded, unit};
 
 /// Steps of an octahedral coordinate from 0 to 1, of about half a degree each.
-const STEPS: f32 = 127.0;
+pub(crate) const STEPS: f32 = 127.0;
 
 /// A normal, a colour and a weight.
 ///
@@ -54,6 +51,12 @@ impl Sample {
         self.color
     }
 
+    /// The weight in 1/255.
+    #[inline]
+    pub(crate) fn weight_byte(self) -> u8 {
+        self.weight
+    }
+
     /// Unit normal.
     #[inline]
     pub(crate) fn normal(self) -> Vec3 {
@@ -85,39 +88,6 @@ impl Sample {
     }
 }
 
-/// Four samples side by side.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Samples {
-    /// Unit normals.
-    pub normal: Vec3x4,
-    /// Linear albedos.
-    pub color: Vec3x4,
-    pub weight: f32x4,
-}
-
-impl Samples {
-    #[inline]
-    pub(crate) fn new(four: [Sample; 4]) -> Self {
-        let [a, b, c, d] = four;
-        let octahedral = |axis: usize| {
-            let [a, b, c, d] = [a.normal[axis], b.normal[axis], c.normal[axis], d.normal[axis]];
-            f32x4::new([a.into(), b.into(), c.into(), d.into()]) * f32x4::splat(1.0 / STEPS)
-        };
-        let bytes = |a: u8, b: u8, c: u8, d: u8| {
-            f32x4::new([a.into(), b.into(), c.into(), d.into()]) * f32x4::splat(1.0 / 255.0)
-        };
-        let color = |channel: usize| {
-            let root = bytes(a.color[channel], b.color[channel], c.color[channel], d.color[channel]);
-            root * root
-        };
-        Self {
-            normal: folded_x4([octahedral(0), octahedral(1)]),
-            color: Vec3x4 { x: color(0), y: color(1), z: color(2) },
-            weight: bytes(a.weight, b.weight, c.weight, d.weight),
-        }
-    }
-}
-
 /// The unit vector's point on the octahedron, unfolded into a square [Cigolle14].
 pub(crate) fn octahedral(n: Vec3) -> [i8; 2] {
     unfolded(n).to_array().map(|c| (STEPS * c).round() as i8)
@@ -139,22 +109,6 @@ pub(crate) fn snapped_normal(n: Vec3) -> Vec3 {
 mod tests {
     use super::*;
     use crate::random::Random;
-
-    #[test]
-    fn four_samples_are_one_and_one() {
-        let random = &mut Random::new(5, 0);
-        for _ in 0..2000 {
-            let four = std::array::from_fn(|_| {
-                let n = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
-                let color = Vec3::new(random.unit(), random.unit(), random.unit());
-                Sample::new(n, color, random.unit())
-            });
-            let samples = Samples::new(four);
-            assert!(samples.normal == Vec3x4::new(four.map(Sample::normal)));
-            assert!(samples.color == Vec3x4::new(four.map(Sample::color)));
-            assert_eq!(samples.weight.to_array(), four.map(Sample::weight));
-        }
-    }
 
     #[test]
     fn six_bytes_return() {

@@ -215,5 +215,14 @@ mod tests {
             .sum();
         assert!((sum / n as f32 - 5.0 / 6.0).abs() < 1e-4);
         assert!((sky.mean_radiance(Vec3::Y).x - 5.0 / 6.0).abs() < 1e-6);
+        let normals = [Vec3::Y, Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.8, 0.0)];
+        for (four, n) in sky.mean_radiance_x4(Vec3x4::new(normals)).x.to_array().into_iter().zip(normals) {
+            assert!((four - sky.mean_radiance(n).x).abs() < 1e-6);
+        }
+        // Of a whole open hemisphere ⅔ of its axis is the sum of its directions: the same mean.
+        let sums = Vec3x4::new(normals.map(|n| n * (2.0 / 3.0)));
+        for (four, n) in sky.gathered(f32x4::ONE, sums).x.to_array().into_iter().zip(normals) {
+            assert!((four - sky.mean_radiance(n).x).abs() < 1e-6);
+        }
     }
 }

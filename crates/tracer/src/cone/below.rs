@@ -97,8 +97,6 @@ fn from_below(
     }
     let cone = Cone { width: f64::from(width), spread: f64::from(SKY_SPREAD) };
     let start = f64::from(2.0 * width);
-    let normal = -down;
-    let shadow =
-        ShadowCone { origin, direction, start, end: reach, normal, cone, correlation: Correlation::NONE };
+    let shadow = ShadowCone { origin, direction, start, end: reach, cone, correlation: Correlation::NONE };
     shadows.through_coats(scene, settings, &shadow)
 }

@@ -13,17 +13,17 @@
 //! cells as much wider.
 
 use std::collections::HashMap;
-use std::f64::consts::SQRT_2;
 use std::hash::{BuildHasherDefault, Hash, Hasher};
 
-use glam::DVec3;
-use pelage_geom::{Cone, Ray};
+use glam::{DVec3, Vec3};
+use pelage_geom::Ray;
 
 use super::composite::KeyHasher;
 use super::light_lines::{LightLines, Place};
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
 use super::shadow::ShadowCone;
+use super::widths::{MOST_STEPS, Widths};
 use super::{Blend, Trail};
 use crate::{Scene, Settings};
 
@@ -31,21 +31,25 @@ use crate::{Scene, Settings};
 const MOST_LAYERS: usize = 1 << 17;
 const MOST_LINES: usize = 1 << 15;
 
-/// A cone widens by no more octaves than these: it is wider than anything then.
-const MOST_STEPS: i32 = 24;
-
-/// Cells are this part of what is asked for, from 1/√2 to √2 times that.
-const CELL: f64 = 1.0;
-
 /// Over this much of an octave one width of cells gives way to the next.
 const FADE: f32 = 0.2;
+
+/// A cone to a light of the scene, for which a line of the light may stand.
+pub(crate) struct LightCone {
+    /// Which light.
+    pub light: usize,
+    pub cone: ShadowCone,
+    /// Unit normal of the surface along which its point may move and stay what it is: its own, or that below the coat.
+    pub normal: Vec3,
+    /// About how wide the cells are of which points share a line, in scene units.
+    pub fineness: f64,
+}
 
 /// What is asked, for whichever cells.
 struct Asked<'a> {
     scene: &'a Scene,
     settings: &'a Settings,
-    light: usize,
-    shadow: &'a ShadowCone,
+    of: &'a LightCone,
     lines: LightLines,
     place: Place,
     widths: Widths,
@@ -95,6 +99,8 @@ struct Part {
 /// The lines of all lights that were asked for lately.
 #[derive(Default)]
 pub(super) struct DeepShadows {
+    /// Of each light of the scene, once one was asked for; `None` of a sun that shines nowhere.
+    rasters: Vec<Option<LightLines>>,
     /// The parts of each line: from which on, and to which.
     lines: HashMap<LineKey, [u32; 2], BuildHasherDefault<KeyHasher>>,
     /// In order of entry, line by line.
@@ -104,49 +110,50 @@ pub(super) struct DeepShadows {
 }
 
 impl DeepShadows {
-    /// The part of a light that the coats let through to the begin of a shadow cone, by the line whose cell, about
-    /// `fineness` wide (scene units), it lies in.
+    /// The part of a light that the coats let through to the begin of a cone, by a line of the light.
     pub fn transmittance(
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        light: usize,
-        shadow: &ShadowCone,
-        fineness: f64,
+        of: &LightCone,
         trail: &mut Trail,
     ) -> f32 {
-        let Some(lines) = LightLines::new(&scene.lights[light], scene) else { return 1.0 };
-        let place = lines.place(shadow.origin);
-        let widths = Widths::new(&lines, scene, shadow);
-        let asked = Asked { scene, settings, light, shadow, lines, place, widths };
-        let cells = (CELL * fineness / place.scale).log2().clamp(-500.0, 500.0);
+        if self.rasters.is_empty() {
+            self.rasters.extend(scene.lights.iter().map(|light| LightLines::new(light, scene)));
+        }
+        let Some(lines) = self.rasters[of.light] else { return 1.0 };
+        let place = lines.place(of.cone.origin);
+        let widths = Widths::new(&lines, scene, &of.cone);
+        let asked = Asked { scene, settings, of, lines, place, widths };
+        let cells = (of.fineness / place.scale).log2().clamp(-500.0, 500.0);
         let (octave, part) = (cells.floor(), (cells - cells.floor()) as f32);
         let octave = octave as i32;
         // From one width of cells to the next by and by: what they do to light is another for each.
         let wider = ((part - 0.5) / FADE + 0.5).clamp(0.0, 1.0);
-        let mut of = |octave: i32, weight: f32| match weight > 0.0 {
+        let mut by = |octave: i32, weight: f32| match weight > 0.0 {
             true => weight * self.through_cells(&asked, octave, trail),
             false => 0.0,
         };
-        of(octave, 1.0 - wider) + of(octave + 1, wider)
+        by(octave, 1.0 - wider) + by(octave + 1, wider)
     }
 
     /// The same by cells of a width (2 to that power, in units of the raster).
     fn through_cells(&mut self, asked: &Asked, cells: i32, trail: &mut Trail) -> f32 {
-        let Asked { scene, settings, light, shadow, ref lines, place, ref widths } = *asked;
+        let Asked { scene, settings, of, ref lines, place, ref widths } = *asked;
+        let shadow = &of.cone;
         let mut blend = Blend::START;
         let mut reached = shadow.start;
         for step in 0..=MOST_STEPS {
             let size = f64::from(cells + step).exp2();
             let cell = (place.at / size).floor();
             let ray = lines.line(place.face, (cell + 0.5) * size);
-            let here = level_with(&ray, shadow.origin, shadow.normal.as_dvec3());
+            let here = level_with(&ray, shadow.origin, of.normal.as_dvec3());
             if here <= reached {
                 break;
             }
             let end = widths.end(step);
             let key = LineKey {
-                light: light as u32,
+                light: of.light as u32,
                 face: place.face,
                 octaves: [(cells + step) as i16, (widths.octave + step) as i16],
                 cell: [cell.x as i64, cell.y as i64],
@@ -245,63 +252,9 @@ fn level_with(line: &Ray, point: DVec3, normal: DVec3) -> f64 {
 /// A point moves along the light by at most so many times what its line is aside.
 const MOST_FURTHER: f64 = 3.0;
 
-/// How wide a cone from a point to a light is: by octaves, the further from the point.
-struct Widths {
-    /// The octave that it begins with.
-    octave: i32,
-    /// Scene units by unit of width: of the sun's cones those of [`Scene::edge`], so that voxels of boxes like most are as
-    /// wide as a whole octave; a lamp's are as wide as they are far from it.
-    unit: f64,
-    /// Its width at the point, in units, and what it gains by unit of distance.
-    width: f64,
-    spread: f64,
-    /// How far a lamp is, which it narrows towards; infinite for the sun.
-    distance: f64,
-}
-
-impl Widths {
-    fn new(lines: &LightLines, scene: &Scene, shadow: &ShadowCone) -> Self {
-        let (unit, distance) = match lines {
-            LightLines::Sun { .. } => (scene.edge, f64::INFINITY),
-            LightLines::Lamp { .. } => (shadow.end, shadow.end),
-        };
-        let Cone { width, spread } = shadow.cone;
-        let (width, spread) = (width / unit, spread / unit);
-        Self { octave: octave(width), unit, width, spread, distance }
-    }
-
-    /// The cone of the light's line that stands for the cone after `step` octaves.
-    fn cone(&self, step: i32) -> Cone {
-        let width = f64::from(self.octave + step).exp2();
-        match self.distance == f64::INFINITY {
-            true => Cone { width: width * self.unit, spread: 0.0 },
-            false => Cone { width: 0.0, spread: width },
-        }
-    }
-
-    /// The distance from the point at which the cone has widened by half an octave more than `step` of them.
-    fn end(&self, step: i32) -> f64 {
-        if step == MOST_STEPS {
-            return f64::INFINITY;
-        }
-        let more = (SQRT_2 * f64::from(self.octave + step).exp2() - self.width).max(f64::MIN_POSITIVE);
-        match self.distance == f64::INFINITY {
-            // width + spread · d
-            true => more / self.spread,
-            // As seen from the lamp: width + spread · d · distance / (distance − d), as `spread` is per `unit`.
-            false => self.distance * more / (self.spread * self.distance + more),
-        }
-    }
-}
-
-/// The nearest power of 2.
-fn octave(width: f64) -> i32 {
-    width.log2().round().clamp(-500.0, 500.0) as i32
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use pelage_geom::Cone;
     use pelage_skin::{SkinOptions, extrude, surface};
     use pelage_texel::{BuildOptions, Grass, build};
 
@@ -330,7 +283,7 @@ mod tests {
     }
 
     /// Cones to a light from points all over the coat, as wide as a voxel of level 3.
-    fn cones(scene: &Scene, light: usize) -> Vec<ShadowCone> {
+    fn cones(scene: &Scene, light: usize) -> Vec<LightCone> {
         let mut drawn = Drawn::from([7]);
         let cone = |_| {
             let patch = (drawn.unit() * scene.box_count() as f32) as u32;
@@ -340,15 +293,16 @@ mod tests {
             let incoming = scene.lights[light].incoming(origin.as_vec3())?;
             let texel = jacobian * lattice_inverse(&scene.patch(patch).1.lattice);
             let width = f64::from(texel.determinant().abs().cbrt() / 8.0);
-            Some(ShadowCone {
+            let cone = ShadowCone {
                 origin,
                 direction: incoming.direction.as_dvec3().normalize(),
                 start: 0.5 * width,
                 end: incoming.distance.into(),
-                normal: jacobian.x_axis.cross(jacobian.y_axis).normalize_or_zero(),
                 cone: Cone { width, spread: incoming.spread.into() },
                 correlation: Correlation::NONE,
-            })
+            };
+            let normal = jacobian.x_axis.cross(jacobian.y_axis).normalize_or_zero();
+            Some(LightCone { light, cone, normal, fineness: width })
         };
         (0..800).filter_map(cone).collect()
     }
@@ -366,11 +320,13 @@ mod tests {
         for light in 0..scene.lights.len() {
             let cones = cones(&scene, light);
             let exact: Vec<f32> =
-                cones.iter().map(|cone| buffers.through_coats(&scene, &settings, cone)).collect();
+                cones.iter().map(|of| buffers.through_coats(&scene, &settings, &of.cone)).collect();
             let mut found = |fineness: f64| -> Vec<f32> {
-                let of =
-                    |c: &ShadowCone| buffers.of_light(&scene, &settings, light, c, fineness * c.cone.width);
-                cones.iter().map(of).collect()
+                let by_cells = |of: &LightCone| {
+                    let of = LightCone { fineness: fineness * of.fineness, ..*of };
+                    buffers.of_light(&scene, &settings, &of)
+                };
+                cones.iter().map(by_cells).collect()
             };
             let mean = |list: &[f32]| list.iter().sum::<f32>() / list.len() as f32;
             let error = |list: &[f32]| {
@@ -392,9 +348,7 @@ mod tests {
         let sun = Light::Directional { direction: Vec3::NEG_Y, illuminance: Vec3::ONE, angle: 0.1 };
         let scene = scene(vec![sun]);
         let (settings, cones) = (Settings::default(), cones(&scene, 0));
-        let ask = |buffers: &mut ShadowBuffers, cone: &ShadowCone| {
-            buffers.of_light(&scene, &settings, 0, cone, cone.cone.width)
-        };
+        let ask = |buffers: &mut ShadowBuffers, of: &LightCone| buffers.of_light(&scene, &settings, of);
         let mut one = ShadowBuffers::default();
         let forth: Vec<f32> = cones.iter().map(|cone| ask(&mut one, cone)).collect();
         let mut other = ShadowBuffers::default();

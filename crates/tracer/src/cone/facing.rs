@@ -3,7 +3,7 @@
 
 use glam::{Mat3, Vec3};
 use pelage_geom::Vec3x4;
-use pelage_texel::{Level, Lobe, LobesX4, Scatterers, Surfel, SurfelsX4, Voxel};
+use pelage_texel::{Level, Lobe, LobesX4, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
 use wide::f32x4;
 
 use super::gloss::Gloss;
@@ -123,6 +123,9 @@ impl Facing {
                 *slot = surfel;
                 filled += 1;
             }
+            if filled == 0 {
+                break;
+            }
             let sees = SurfelsX4::new(&four[..filled]).sees(eye);
             for (_, surfel) in four.iter().enumerate().filter(|(i, _)| sees >> i & 1 != 0) {
                 seen[count] = *surfel;
@@ -150,10 +153,11 @@ impl Facing {
             return;
         }
         let (eye, surfels) = (self.view, SurfelsX4::new(seen));
-        let weight = surfels.weight() * surfels.normal().dot(Vec3x4::splat(eye));
+        let Samples { normal, color, weight } = surfels.samples;
+        let weight = weight * normal.dot(Vec3x4::splat(eye));
         let lit = |light: &Towards| surfels.lit(eye, light.towards);
         let sky = || Some(side_by_side(|i| seen.get(i).map(Surfel::sky)));
-        self.add(surfels.normal(), surfels.color(), weight, lit, sky);
+        self.add(normal, color, weight, lit, sky);
     }
 
     /// The lobes that are seen from here.
@@ -166,10 +170,11 @@ impl Facing {
                 let lobe = |i: usize| four[i.min(four.len() - 1)];
                 let part = |i: usize| if i < four.len() { share / whole } else { 0.0 };
                 let lobes = LobesX4::new([lobe(0), lobe(1), lobe(2), lobe(3)]);
-                let weight = lobes.weight() * f32x4::new([part(0), part(1), part(2), part(3)]);
+                let Samples { normal, color, weight } = lobes.samples;
+                let weight = weight * f32x4::new([part(0), part(1), part(2), part(3)]);
                 let lit = |light: &Towards| lobes.lit(light.alike, light.towards);
                 let sky = |i: usize| (i < four.len()).then(|| level.lobe_sky(begin + i as u32));
-                self.add(lobes.normal(), lobes.color(), weight, lit, || Some(side_by_side(sky)));
+                self.add(normal, color, weight, lit, || Some(side_by_side(sky)));
             }
         }
     }
@@ -233,7 +238,7 @@ impl Facing {
         self.sums.normal += normal * weight;
         if let Some(environment) = &self.environment {
             let [above, below] = &mut self.sums.sky;
-            match sky().filter(|_| self.shadows) {
+            match self.shadows.then(sky).flatten() {
                 Some(halves) => {
                     for (sum, (open, directions)) in [above, below].into_iter().zip(halves) {
                         let turned = directions.carried(&self.jacobian).normalize_or_zero();

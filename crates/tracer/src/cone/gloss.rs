@@ -19,6 +19,9 @@ impl Gloss {
     /// Of a material with this specular albedo and roughness, both from 0 to 1. The factor between albedo and height
     /// keeps what is reflected in all at or under the albedo.
     pub fn new(specular: f32, roughness: f32) -> Self {
+        if specular == 0.0 {
+            return Self::default();
+        }
         Self::of_exponent(specular, exponent_of_roughness(roughness))
     }
 

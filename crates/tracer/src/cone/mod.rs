@@ -25,6 +25,7 @@ pub(crate) mod path;
 pub(crate) mod shade;
 pub(crate) mod shadow;
 mod stretch;
+mod widths;
 
 use std::hash::{Hash, Hasher};
 

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use pelage_geom::{Cone, Material, Ray};
 
 use super::composite::SeenSurface;
+use super::deep_shadow::LightCone;
 use super::gloss::Gloss;
 use super::shade::{SKY_SPREAD, Shader};
 use super::shadow::{Correlation, ShadowCone, is_blocked};
@@ -33,7 +34,6 @@ impl Shader {
             direction: direction.as_dvec3().normalize(),
             start: 0.0,
             end: f64::from(end),
-            normal: flat,
             cone: Cone { width: f64::from(first.width), spread: f64::from(spread) },
             correlation: Correlation::NONE,
         };
@@ -78,7 +78,9 @@ impl Shader {
             let Some(Incoming { direction, distance, spread, .. }) = towards else { continue };
             let arriving = if is_shadowed {
                 let cone = coats(direction, distance, spread);
-                self.shadows.of_light(scene, settings, index, &cone, cone.cone.width)
+                let fineness = cone.cone.width;
+                let of = LightCone { light: index, cone, normal: flat, fineness };
+                self.shadows.of_light(scene, settings, &of)
             } else {
                 1.0
             };

@@ -6,6 +6,7 @@ use pelage_texel::{Scatterers, Surfel};
 
 use super::below::Below;
 use super::composite::SeenVoxel;
+use super::deep_shadow::LightCone;
 use super::facing::{Facing, Towards};
 use super::gloss::Gloss;
 use super::path::to_box;
@@ -122,7 +123,6 @@ impl Shader {
                     direction,
                     start: f64::from(near / (inverse * to_light).length()),
                     end,
-                    normal: facing.along().normalize_or_zero(),
                     cone: Cone { width, spread: f64::from(incoming.spread) },
                     correlation: correlation(&inverse, view, to_light, apart),
                 };
@@ -133,7 +133,10 @@ impl Shader {
                 arriving = if alike || !scatterers.is_empty() {
                     shadows.through_coats(scene, settings, &shadow)
                 } else {
-                    shadows.of_light(scene, settings, *index, &shadow, cone.width(seen.t.into()))
+                    let normal = facing.along().normalize_or_zero();
+                    let fineness = cone.width(seen.t.into());
+                    let of = LightCone { light: *index, cone: shadow, normal, fineness };
+                    shadows.of_light(scene, settings, &of)
                 };
             }
             radiance += arriving * incoming.irradiance * reflected;

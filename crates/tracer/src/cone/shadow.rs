@@ -1,10 +1,10 @@
 //! How much of a light arrives: a cone through skins and past opaque meshes. [seed §6.1b]
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use pelage_geom::{Cone, Ray};
 
 use super::Trail;
-use super::deep_shadow::DeepShadows;
+use super::deep_shadow::{DeepShadows, LightCone};
 use super::march::{Beam, march, through};
 use super::passages::{self, BoxPassage};
 use super::{Blend, Piece};
@@ -21,8 +21,6 @@ pub(crate) struct ShadowCone {
     pub start: f64,
     /// How far the light is.
     pub end: f64,
-    /// Unit normal of the surface along which the point may move and stay what it is: its own, or that below the coat.
-    pub normal: Vec3,
     /// The cone's width; as wide as what is shaded, and widening with the light's size.
     pub cone: Cone,
     /// How alike the ways to the eye and to the light still are.
@@ -73,17 +71,9 @@ impl ShadowBuffers {
         std::mem::take(&mut self.trail.counts)
     }
 
-    /// The part of a light of the scene that the coats let through. Points whose light passes within about `fineness`
-    /// (scene units) share what it meets on its way.
-    pub fn of_light(
-        &mut self,
-        scene: &Scene,
-        settings: &Settings,
-        light: usize,
-        shadow: &ShadowCone,
-        fineness: f64,
-    ) -> f32 {
-        self.deep.transmittance(scene, settings, light, shadow, fineness, &mut self.trail)
+    /// The part of a light of the scene that the coats let through, by one of its lines.
+    pub fn of_light(&mut self, scene: &Scene, settings: &Settings, of: &LightCone) -> f32 {
+        self.deep.transmittance(scene, settings, of, &mut self.trail)
     }
 
     /// The part of a light from anywhere that the coats let through.
