@@ -25,14 +25,12 @@ use super::passages::{self, BoxPassage};
 use super::shadow::ShadowCone;
 use super::widths::{MOST_STEPS, Widths};
 use super::{Blend, Trail};
+use crate::hash::Drawn;
 use crate::{Scene, Settings};
 
 /// More layers and lines than these are not kept: some megabytes for each thread.
 const MOST_LAYERS: usize = 1 << 17;
 const MOST_LINES: usize = 1 << 15;
-
-/// Over this much of an octave one width of cells gives way to the next.
-const FADE: f32 = 0.2;
 
 /// A cone to a light of the scene, for which a line of the light may stand.
 pub(crate) struct LightCone {
@@ -43,16 +41,6 @@ pub(crate) struct LightCone {
     pub normal: Vec3,
     /// About how wide the cells are of which points share a line, in scene units.
     pub fineness: f64,
-}
-
-/// What is asked, for whichever cells.
-struct Asked<'a> {
-    scene: &'a Scene,
-    settings: &'a Settings,
-    of: &'a LightCone,
-    lines: LightLines,
-    place: Place,
-    widths: Widths,
 }
 
 /// Which line.
@@ -122,32 +110,21 @@ impl DeepShadows {
             self.rasters.extend(scene.lights.iter().map(|light| LightLines::new(light, scene)));
         }
         let Some(lines) = self.rasters[of.light] else { return 1.0 };
-        let place = lines.place(of.cone.origin);
-        let widths = Widths::new(&lines, scene, &of.cone);
-        let asked = Asked { scene, settings, of, lines, place, widths };
-        let cells = (of.fineness / place.scale).log2().clamp(-500.0, 500.0);
-        let (octave, part) = (cells.floor(), (cells - cells.floor()) as f32);
-        let octave = octave as i32;
-        // From one width of cells to the next by and by: what they do to light is another for each.
-        let wider = ((part - 0.5) / FADE + 0.5).clamp(0.0, 1.0);
-        let mut by = |octave: i32, weight: f32| match weight > 0.0 {
-            true => weight * self.through_cells(&asked, octave, trail),
-            false => 0.0,
-        };
-        by(octave, 1.0 - wider) + by(octave + 1, wider)
-    }
-
-    /// The same by cells of a width (2 to that power, in units of the raster).
-    fn through_cells(&mut self, asked: &Asked, cells: i32, trail: &mut Trail) -> f32 {
-        let Asked { scene, settings, of, ref lines, place, ref widths } = *asked;
         let shadow = &of.cone;
+        let place = lines.place(shadow.origin);
+        let widths = Widths::new(&lines, scene, shadow);
+        let cells = octave_of_cells(&place, of.fineness);
         let mut blend = Blend::START;
         let mut reached = shadow.start;
         for step in 0..=MOST_STEPS {
             let size = f64::from(cells + step).exp2();
             let cell = (place.at / size).floor();
             let ray = lines.line(place.face, (cell + 0.5) * size);
-            let here = level_with(&ray, shadow.origin, of.normal.as_dvec3());
+            let here = match step {
+                0 => level_with(&ray, shadow.origin, of.normal.as_dvec3()),
+                // So much wider than what it begins with, it is off any surface that a plane stands for.
+                _ => beside(&ray, shadow.origin),
+            };
             if here <= reached {
                 break;
             }
@@ -239,14 +216,30 @@ impl DeepShadows {
     }
 }
 
+/// How wide cells are for a point, as a power of 2 in units of the raster: one of the two next to `fineness`, drawn for
+/// each of the wider cells. So nearly all points of a line agree, and where a picture is zoomed, a few cells at a time
+/// give way to others.
+fn octave_of_cells(place: &Place, fineness: f64) -> i32 {
+    let octave = (fineness / place.scale).log2().clamp(-500.0, 500.0);
+    let finer = octave.floor();
+    let cell = (place.at / (finer + 1.0).exp2()).floor();
+    let drawn = Drawn::from([u64::from(place.face), cell.x as i64 as u64, cell.y as i64 as u64]).unit();
+    finer as i32 + i32::from(f64::from(drawn) < octave - finer)
+}
+
 /// Where a line that passes beside a point meets the plane through the point with the normal: a point of a surface stays
 /// on it, and one at the top of a coat at its top. Where the line goes along the plane, not far from the point.
 fn level_with(line: &Ray, point: DVec3, normal: DVec3) -> f64 {
-    let beside = (point - line.origin).dot(line.direction);
+    let beside = beside(line, point);
     let aside = point - line.at(beside);
     let further = aside.dot(normal) / line.direction.dot(normal);
     let most = MOST_FURTHER * aside.length();
     beside + if further.is_finite() { further.clamp(-most, most) } else { 0.0 }
+}
+
+/// Where a line passes a point.
+fn beside(line: &Ray, point: DVec3) -> f64 {
+    (point - line.origin).dot(line.direction)
 }
 
 /// A point moves along the light by at most so many times what its line is aside.
@@ -254,6 +247,7 @@ const MOST_FURTHER: f64 = 3.0;
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
     use pelage_geom::Cone;
     use pelage_skin::{SkinOptions, extrude, surface};
     use pelage_texel::{BuildOptions, Grass, build};
@@ -261,7 +255,6 @@ mod tests {
     use super::super::path::lattice_inverse;
     use super::super::shadow::{Correlation, ShadowBuffers};
     use super::*;
-    use crate::hash::Drawn;
     use crate::{Coat, Description, Environment, Light};
 
     /// A ring of thin grass under some lights.
@@ -304,7 +297,7 @@ mod tests {
             let normal = jacobian.x_axis.cross(jacobian.y_axis).normalize_or_zero();
             Some(LightCone { light, cone, normal, fineness: width })
         };
-        (0..800).filter_map(cone).collect()
+        (0..3000).filter_map(cone).collect()
     }
 
     #[test]
@@ -337,9 +330,22 @@ mod tests {
             // Points move to the middle of their cells, which is fair on the mean and the closer the smaller they are.
             let exact_mean = mean(&exact);
             assert!((0.2..0.8).contains(&exact_mean));
-            assert!((mean(&coarse) - exact_mean).abs() < 0.03 * exact_mean, "light {light}");
-            assert!((mean(&fine) - exact_mean).abs() < 0.015 * exact_mean, "light {light}");
+            assert!((mean(&coarse) - exact_mean).abs() < 0.015 * exact_mean, "light {light}");
+            assert!((mean(&fine) - exact_mean).abs() < 0.01 * exact_mean, "light {light}");
             assert!(error(&fine) < 0.7 * error(&coarse), "light {light}");
+        }
+    }
+
+    #[test]
+    fn cells_are_as_wide_as_asked_on_the_mean() {
+        let mut drawn = Drawn::from([5]);
+        for fineness in [0.25, 0.3, 0.7, 1.0, 1.9] {
+            let octaves = (0..20_000).map(|_| {
+                let at = 1e3 * DVec2::new(drawn.signed().into(), drawn.signed().into());
+                octave_of_cells(&Place { face: 0, at, scale: 2.0 }, 2.0 * fineness)
+            });
+            let mean = octaves.map(f64::from).sum::<f64>() / 20_000.0;
+            assert!((mean - fineness.log2()).abs() < 0.02, "{fineness}: {mean}");
         }
     }
 
