@@ -1,8 +1,9 @@
-//! The curve that a straight ray is in texel space, in chords whose ends lie on it exactly.
+//! The curve that a straight ray is in texel space, in chords whose ends lie on it.
 //!
 //! Between two knots the curve is predicted by the cubic through both ends with their velocities J⁻¹D; its
-//! largest second derivative bounds the bow of each chord, and so how many are needed. Every knot is then put on
-//! the ray by Newton's method, which takes one step, seldom two. [seed §5.1, Ogaki23]
+//! largest second derivative bounds the bow of each chord, and so how many are needed. Knots are then put on the ray by
+//! Newton's method, which takes one step, seldom two; between knots so near that the cubic is the curve, as good as,
+//! chords end on the cubic. [seed §5.1, Ogaki23]
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
 use pelage_geom::{Ray, Trilinear};
@@ -49,6 +50,9 @@ pub(crate) struct Knot {
 
 /// Newton's error is about the square of its last step: below this step, in box units, it is that of rounding.
 const CONVERGED: f32 = 1e-3;
+
+/// A cubic that is off by less than this part of the tolerance is the curve.
+const OFF_CUBIC: f32 = 0.1;
 
 /// A straight piece of the path, linear in t.
 #[derive(Clone, Copy, Debug)]
@@ -111,12 +115,50 @@ impl LocalRay {
             return;
         };
         let count = chords_needed(bow, tolerance);
-        let mut from = first;
-        for i in 1..=count {
-            let to = if i == count { last } else { self.between(&first, &last, i as f32 / count as f32) };
-            self.refine(from, to, tolerance, out);
+        let pieces = self.pieces_needed(&first, &last, count, tolerance);
+        let (mut from, mut done) = (first, 0);
+        for i in 1..=pieces {
+            let next = i * count / pieces;
+            let x = next as f32 / count as f32;
+            let to = if i == pieces { last } else { self.between(&first, &last, x) };
+            let each = next - done;
+            // Unless its own ends say that it bows more than the whole passage's foretold.
+            let as_foretold = |bow| bow <= 2.0 * tolerance * (each * each) as f32;
+            if each > 1 && self.bow(&from, &to).is_some_and(as_foretold) {
+                self.along_cubic(&from, &to, each, out);
+            } else {
+                self.refine(from, to, tolerance, out);
+            }
+            (from, done) = (to, next);
+        }
+    }
+
+    /// How many pieces of the curve are cubics, as good as, if it is to be cut into `count` chords.
+    fn pieces_needed(&self, first: &Knot, last: &Knot, count: usize, tolerance: f32) -> usize {
+        if count < 3 {
+            return count;
+        }
+        // Where a cubic is off as a rule, whether the curve bends more in its middle or towards an end.
+        let x = 1.0 / 3.0;
+        let foretold = cubic(first, last, x);
+        let off = self.on_ray(distance(first, last, x), foretold).u - foretold;
+        let off = to_texel_step(&self.lattice, off).length();
+        // n pieces are off n⁴ times less than one.
+        let pieces = (off / (OFF_CUBIC * tolerance)).sqrt().sqrt().ceil() as usize;
+        if 2 * pieces > count { count } else { pieces.max(1) }
+    }
+
+    /// Splits a piece that is a cubic, as good as, into chords.
+    fn along_cubic(&self, a: &Knot, b: &Knot, count: usize, out: &mut Vec<Chord>) {
+        let mut from = (a.t, a.at);
+        for i in 1..count {
+            let x = i as f32 / count as f32;
+            let u = cubic(a, b, x).clamp(Vec3::ZERO, Vec3::ONE);
+            let to = (distance(a, b, x), to_texel(&self.lattice, u));
+            out.push(Chord { t: [from.0, to.0], at: [from.1, to.1] });
             from = to;
         }
+        out.push(Chord { t: [from.0, b.t], at: [from.1, b.at] });
     }
 
     /// The straight line from entry to exit: the paper's *parcours linéaire*.
@@ -151,14 +193,13 @@ impl LocalRay {
 
     /// The point of the curve at the fraction `x` between two knots.
     fn between(&self, a: &Knot, b: &Knot, x: f32) -> Knot {
-        let t = a.t + (b.t - a.t) * f64::from(x);
-        let span = (b.t - a.t) as f32;
-        // Hermite's cubic in box coordinates: exact where the curve is one, and close enough to start from.
-        let (va, vb) = (span * a.velocity, span * b.velocity);
-        let (y, z) = (1.0 - x, x * x * (3.0 - 2.0 * x));
-        let guess = a.u.lerp(b.u, z) + x * y * (y * va - x * vb);
+        self.on_ray(distance(a, b, x), cubic(a, b, x))
+    }
+
+    /// The knot at a distance along the ray, found from a guess.
+    fn on_ray(&self, t: f64, guess: Vec3) -> Knot {
         let target = (self.ray.origin - self.origin + t * self.ray.direction).as_vec3();
-        let mut u = if guess.is_finite() { guess } else { a.u.lerp(b.u, x) };
+        let mut u = guess;
         let mut inverse = Mat3::ZERO;
         for _ in 0..3 {
             inverse = self.map.jacobian(u).inverse();
@@ -189,6 +230,20 @@ impl LocalRay {
         let largest = length(at_a).max(length(at_b)).sqrt();
         largest.is_finite().then_some(largest / 8.0)
     }
+}
+
+/// The distance at the fraction `x` between two knots.
+fn distance(a: &Knot, b: &Knot, x: f32) -> f64 {
+    a.t + (b.t - a.t) * f64::from(x)
+}
+
+/// The point there, in box coordinates, on Hermite's cubic: exact where the curve is one, and close enough to start from.
+fn cubic(a: &Knot, b: &Knot, x: f32) -> Vec3 {
+    let span = (b.t - a.t) as f32;
+    let (va, vb) = (span * a.velocity, span * b.velocity);
+    let (y, z) = (1.0 - x, x * x * (3.0 - 2.0 * x));
+    let guess = a.u.lerp(b.u, z) + x * y * (y * va - x * vb);
+    if guess.is_finite() { guess } else { a.u.lerp(b.u, x) }
 }
 
 fn chord(a: &Knot, b: &Knot) -> Chord {
