@@ -29,8 +29,8 @@ use crate::hash::Drawn;
 use crate::{Scene, Settings};
 
 /// More layers and lines than these are not kept: some megabytes for each thread.
-const MOST_LAYERS: usize = 1 << 17;
-const MOST_LINES: usize = 1 << 15;
+const MOST_LAYERS: usize = 1 << 16;
+const MOST_LINES: usize = 1 << 14;
 
 /// A cone to a light of the scene, for which a line of the light may stand.
 pub(crate) struct LightCone {
