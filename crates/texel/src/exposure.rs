@@ -14,8 +14,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::dark::{dark_sides, normal_of, point_of};
-use crate::lobe::{self, Lobes};
 use crate::random::Random;
+use crate::reflectance::{self, Reflectances};
 use crate::region::Parts;
 use crate::sample::snapped_normal;
 use crate::surfel::{Surfel, Surfels, direction};
@@ -43,17 +43,19 @@ struct Sampling {
 pub(crate) enum Shown {
     /// To any direction.
     Surfels(Surfels),
-    /// To each of several directions.
-    Lobes(Lobes),
+    /// Of light from any direction to any other.
+    Reflectances(Reflectances),
 }
 
-/// What the voxels of every level show. `points` are tried in each voxel of level 4 on each side.
+/// What the voxels of every level show. `points` are tried in each voxel of level 4 on each side; `highlight` is the exponent of
+/// one, if there is any.
 /// `report` is told of the [`work`] done.
 pub(crate) fn measure(
     facets: &[Facet],
     lists: &[Cells],
     scene: &Surroundings,
     points: u32,
+    highlight: Option<f32>,
     report: &(dyn Fn(usize) + Sync),
 ) -> Vec<Shown> {
     let finest = lists.len().saturating_sub(1);
@@ -68,12 +70,13 @@ pub(crate) fn measure(
         0..=coarse,
         &content.points(&lists[coarse], &sampling, &|| report(COARSE_WORK)),
         &sampling,
+        highlight,
     );
     if finest > coarse {
         let sampling =
             Sampling { points: 8, stride: 2, alike: 0.97, edges: [edge(coarse + 1), edge(finest)] };
         let points = content.points(&lists[finest], &sampling, &|| report(1));
-        all.extend(choose(lists, coarse + 1..=finest, &points, &sampling));
+        all.extend(choose(lists, coarse + 1..=finest, &points, &sampling, highlight));
     }
     all
 }
@@ -89,9 +92,9 @@ pub(crate) fn work(lists: &[Cells]) -> usize {
     COARSE_WORK * cells(COARSE.min(finest)) + fine
 }
 
-/// Lobes for one direction at most in a voxel of a level; `None` where it has surfels.
-fn most_lobes(level: usize) -> Option<usize> {
-    [24, 16, 8].get(level).copied()
+/// Points at most of which the reflectance of a level's voxels is measured; `None` where it has surfels.
+fn most_points(level: usize) -> Option<usize> {
+    [16384, 4096, 2048].get(level).copied()
 }
 
 /// Surfels in a voxel of a level at most.
@@ -110,6 +113,7 @@ fn choose(
     levels: RangeInclusive<usize>,
     points: &[Vec<Point>],
     sampling: &Sampling,
+    highlight: Option<f32>,
 ) -> Vec<Shown> {
     let last = *levels.end();
     let choose_level = |level: usize| {
@@ -118,12 +122,14 @@ fn choose(
         let found = |range: Range<usize>| {
             points[range].iter().flatten().filter_map(|p| p.seen(reach, sampling)).collect::<Vec<_>>()
         };
-        if let Some(most) = most_lobes(level) {
-            let each = ranges.into_par_iter().map(|range| {
-                let points: Vec<lobe::Point> = found(range).iter().map(Found::point).collect();
-                Lobes::of_voxel(&points, most)
+        if let Some(most) = most_points(level) {
+            let each = ranges.into_par_iter().enumerate().map(|(i, range)| {
+                let mut found = found(range);
+                thin_out(&mut found, most, &mut Random::new((level as u64) << 32 | i as u64, 0x3d1e));
+                let points: Vec<reflectance::Point> = found.iter().map(Found::point).collect();
+                reflectance::Measured::new(&points, highlight)
             });
-            return Shown::Lobes(Lobes::new(&each.collect::<Vec<_>>()));
+            return Shown::Reflectances(Reflectances::new(highlight.is_some(), each.collect()));
         }
         let each = ranges.into_par_iter().enumerate().map(|(i, range)| {
             let mut found = found(range);
@@ -162,8 +168,11 @@ struct Found {
 }
 
 impl Found {
-    fn point(&self) -> lobe::Point {
-        lobe::Point { surfel: Surfel::new(self.normal, self.color, 1.0, self.open), weight: self.weight }
+    fn point(&self) -> reflectance::Point {
+        reflectance::Point {
+            surfel: Surfel::new(self.normal, self.color, 1.0, self.open),
+            weight: self.weight,
+        }
     }
 }
 

@@ -1,10 +1,9 @@
-//! Four parts of a voxel side by side: surfels or lobes, each lane as [`Surfel`] and [`Lobe`] have it one by one.
+//! Four surfels side by side, each lane as [`Surfel`] has it alone.
 
 use glam::Vec3;
 use pelage_geom::Vec3x4;
 use wide::{f32x4, i32x4};
 
-use crate::lobe::Lobe;
 use crate::packed::folded_x4;
 use crate::sample::{STEPS, Sample};
 use crate::surfel::Surfel;
@@ -89,35 +88,6 @@ impl SurfelsX4 {
         let corners = Corners::new([place(0), place(1)]);
         let open = |i: usize, cell: usize| (self.open[i] >> cell & 1) as f32;
         facing & corners.between(open)
-    }
-}
-
-/// Four lobes side by side.
-#[derive(Clone, Copy, Debug)]
-pub struct LobesX4 {
-    /// What each faces, its colour and its weight.
-    pub samples: Samples,
-    four: [Lobe; 4],
-}
-
-impl LobesX4 {
-    /// Of four.
-    #[inline]
-    pub fn new(four: [Lobe; 4]) -> Self {
-        let [a, b, c, d] = &four;
-        Self { samples: Samples::new([a.sample(), b.sample(), c.sample(), d.sample()]), four }
-    }
-
-    /// [`Lobe::lit`] of each.
-    #[inline]
-    pub fn lit(&self, alike: f32, light: Vec3) -> f32x4 {
-        let light = Vec3x4::splat(light);
-        let normal = self.samples.normal;
-        let facing = normal.dot(light).simd_gt(f32x4::ZERO);
-        let [x, y] = on_disk_x4(&normal.any_orthonormal_pair(), light);
-        let half = f32x4::splat(0.5);
-        let open = Corners::new([x - half, y - half]).between(|i, cell| self.four[i].part(cell));
-        facing & (open + (f32x4::ONE - open) * f32x4::splat(alike))
     }
 }
 
@@ -213,24 +183,6 @@ mod tests {
                 assert!((a - b.lit(eye, light)).abs() < 1e-6);
             }
             assert_eq!(SurfelsX4::new(&four[..2]).sees(eye), seen & 3);
-        }
-    }
-
-    #[test]
-    fn four_lobes_are_one_and_one() {
-        let random = &mut Random::new(7, 0);
-        for _ in 0..2000 {
-            let four: [Lobe; 4] = std::array::from_fn(|_| {
-                let (sample, mut bytes) =
-                    (Sample::new(direction(random), Vec3::ONE, 1.0).to_bytes(), [0; 22]);
-                bytes[..16].fill_with(|| (random.unit() * 255.0) as u8);
-                bytes[16..].copy_from_slice(&sample);
-                Lobe::from_bytes(bytes)
-            });
-            let light = direction(random);
-            for (a, b) in LobesX4::new(four).lit(0.3, light).to_array().into_iter().zip(four) {
-                assert!((a - b.lit(0.3, light)).abs() < 1e-6);
-            }
         }
     }
 }

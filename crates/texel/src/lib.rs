@@ -28,7 +28,6 @@ mod four;
 mod grid;
 mod kinds;
 mod line;
-mod lobe;
 mod octree;
 mod opacity;
 mod openness;
@@ -37,6 +36,7 @@ mod palette;
 mod procedure;
 mod random;
 mod raster;
+mod reflectance;
 mod region;
 mod sample;
 mod scatterer;
@@ -51,15 +51,15 @@ mod voxelise;
 pub use build::{BuildOptions, build, build_exact};
 pub use density::Density;
 pub use error::{BuildError, TexelError};
-pub use four::{LobesX4, Samples, SurfelsX4};
+pub use four::{Samples, SurfelsX4};
 pub use kinds::{
     Domain, Foliage, Fur, Grass, Hypertexture, Kind, Leaves, Moss, Needles, Parameter, Pile, Preset, Sheet,
     Spheres, Value,
 };
 pub use line::{Crossing, Line};
-pub use lobe::Lobe;
 pub use octree::{Level, Texel};
 pub use procedure::{Geometry, Procedure};
+pub use reflectance::{Lit, Reflectance};
 pub use scatterer::{Scatterer, Scatterers};
 pub use source::Source;
 pub use surfel::Surfel;

@@ -1,16 +1,14 @@
 //! The frozen texel: every level of the octree, coarsest first, each one flat allocation a kind (see
 //! [`bricks`](crate::bricks) and [`packed`](crate::packed) for the bytes).
 
-use std::ops::Range;
-
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::bricks::{Bricks, demorton, morton};
 use crate::compact::Compact;
 use crate::exposure::Shown;
-use crate::lobe::{Lobe, Lobes};
 use crate::packed::Packed;
+use crate::reflectance::{Reflectance, Reflectances};
 use crate::scatterer::{Cloud, Scatterers};
 use crate::surfel::Surfels;
 use crate::{BuildError, Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
@@ -20,8 +18,8 @@ use crate::{BuildError, Crossing, Line, Source, Surfel, TexelError, Voxel, Walk}
 pub struct Level {
     bricks: Bricks,
     content: Content,
-    /// What the voxels show to each direction, where they are coarse.
-    lobes: Lobes,
+    /// What the voxels reflect, where they are coarse.
+    reflectances: Reflectances,
     /// Points of a density.
     cloud: Cloud,
     /// How much of the upper hemisphere each voxel sees, 1/255; nothing where an ancestor says it.
@@ -44,7 +42,14 @@ impl Level {
     }
 
     pub(crate) fn of_parts(bricks: Bricks, content: Content, openness: Vec<u8>, periodic: bool) -> Self {
-        Self { bricks, content, lobes: Lobes::default(), cloud: Cloud::default(), openness, periodic }
+        Self {
+            bricks,
+            content,
+            reflectances: Reflectances::default(),
+            cloud: Cloud::default(),
+            openness,
+            periodic,
+        }
     }
 
     pub(crate) fn bricks(&self) -> &Bricks {
@@ -59,8 +64,8 @@ impl Level {
         &self.openness
     }
 
-    pub(crate) fn all_lobes(&self) -> &Lobes {
-        &self.lobes
+    pub(crate) fn reflectances(&self) -> &Reflectances {
+        &self.reflectances
     }
 
     pub(crate) fn cloud(&self) -> &Cloud {
@@ -109,26 +114,11 @@ impl Level {
         exact.iter().copied().chain(compact.into_iter().flatten())
     }
 
-    /// The lobes that the voxel of that index shows to the eye (a unit vector of texel space): in four groups, the part
-    /// that each has of what is seen and the numbers of its lobes. Fine levels have surfels instead.
+    /// What the voxel of that index shows to the eye, a unit vector of texel space. `None` where nothing of it is seen from
+    /// there, in fine levels, which have surfels, and in those of a density.
     #[inline]
-    pub fn lobes(&self, index: u32, eye: Vec3) -> [(f32, Range<u32>); 4] {
-        self.lobes.seen(index, eye)
-    }
-
-    /// The lobes of numbers given by [`lobes`](Self::lobes); none for others.
-    #[inline]
-    pub fn lobes_in(&self, numbers: Range<u32>) -> &[Lobe] {
-        self.lobes.all().get(numbers.start as usize..numbers.end as usize).unwrap_or(&[])
-    }
-
-    /// What nothing near blocks of the cosine-weighted hemisphere of a lobe, as [`Surfel::sky`].
-    ///
-    /// # Panics
-    /// If there is no lobe of that number.
-    #[inline]
-    pub fn lobe_sky(&self, number: u32) -> [(f32, Vec3); 2] {
-        self.lobes.sky(number)
+    pub fn reflectance(&self, index: u32, eye: Vec3) -> Option<Reflectance<'_>> {
+        self.reflectances.of(index, eye)
     }
 
     /// Points of the density in the voxel of that index; none where the content has surfaces.
@@ -192,14 +182,18 @@ impl Level {
             Content::Exact(voxels, surfels) => size_of_val(voxels.as_slice()) + surfels.memory(),
             Content::Compact(compact) => compact.memory(),
         };
-        self.bricks.memory() + content + self.lobes.memory() + self.cloud.memory() + self.openness.len()
+        self.bricks.memory()
+            + content
+            + self.reflectances.memory()
+            + self.cloud.memory()
+            + self.openness.len()
     }
 
     /// Keeps it in little room, if it is fine enough that nobody sees the difference.
     fn compacted(self) -> Self {
         match &self.content {
-            // Levels of lobes are few voxels.
-            Content::Exact(..) if self.lobes.is_there() => self,
+            // Levels of reflectances are few voxels.
+            Content::Exact(..) if self.reflectances.is_there() => self,
             Content::Exact(voxels, surfels) => match Compact::new(voxels, surfels) {
                 Some(compact) => Self { content: Content::Compact(compact), ..self },
                 None => self,
@@ -213,12 +207,12 @@ impl Level {
         match (shown, &mut self.content) {
             (Shown::Surfels(measured), Content::Exact(_, surfels)) => *surfels = measured,
             (Shown::Surfels(_), Content::Compact(_)) => {}
-            (Shown::Lobes(lobes), _) => self.lobes = lobes,
+            (Shown::Reflectances(reflectances), _) => self.reflectances = reflectances,
         }
     }
 
-    pub(crate) fn set_lobes(&mut self, lobes: Lobes) {
-        self.lobes = lobes;
+    pub(crate) fn set_reflectances(&mut self, reflectances: Reflectances) {
+        self.reflectances = reflectances;
     }
 
     /// Of a level as it was measured; else none.

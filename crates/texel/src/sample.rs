@@ -1,5 +1,5 @@
 //! A sample of what reflects light: which way it faces, its colour, and for how much it stands. In six bytes, which
-//! surfels, lobes and scatterers share.
+//! surfels and scatterers share.
 
 use glam::{Vec2, Vec3};
 

@@ -143,6 +143,22 @@ impl Surfel {
         row(j) + b * (row(j + 1.0) - row(j))
     }
 
+    /// The number of the cell at a column and row; of the nearest, outside.
+    pub(crate) fn cell(at: [f32; 2]) -> usize {
+        let [column, row] = at.map(|c| (c.max(0.0) as usize).min(Self::SIDE - 1));
+        Self::SIDE * row + column
+    }
+
+    /// The part that is open of the cells beside each: those of the disk that share a side with it.
+    pub(crate) fn open_around(&self) -> [f32; Self::SIDE * Self::SIDE] {
+        let count = |cells: u64, cell: usize| (cells >> cell & 1) as f32;
+        let [inside, open] = [*INSIDE, self.mask() & *INSIDE].map(beside);
+        std::array::from_fn(|cell| {
+            let sum = |four: [u64; 4]| four.into_iter().map(|cells| count(cells, cell)).sum::<f32>();
+            sum(open) / sum(inside).max(1.0)
+        })
+    }
+
     /// The bit of the cell at a column and row; of the nearest, outside.
     #[inline]
     fn is_open(&self, at: [f32; 2]) -> bool {
@@ -150,6 +166,18 @@ impl Surfel {
         let (column, row) = (cell(at[0]), cell(at[1]));
         self.mask() >> (Self::SIDE as u32 * row + column) & 1 != 0
     }
+}
+
+/// The cells whose middles lie in the disk.
+static INSIDE: LazyLock<u64> = LazyLock::new(|| {
+    let inside = |cell: usize| middle(cell % Surfel::SIDE).hypot(middle(cell / Surfel::SIDE)) < 1.0;
+    (0..Surfel::SIDE * Surfel::SIDE).filter(|cell| inside(*cell)).fold(0, |cells, cell| cells | 1 << cell)
+});
+
+/// Of the cells to the left, to the right, below and above each, those that are among `cells`.
+fn beside(cells: u64) -> [u64; 4] {
+    const FIRST: u64 = 0x0101_0101_0101_0101;
+    [cells << 1 & !FIRST, cells >> 1 & !(FIRST << 7), cells << 8, cells >> 8]
 }
 
 /// Cells inside the disk.
@@ -197,36 +225,6 @@ fn cells_below(up: Vec3) -> u64 {
     below
 }
 
-/// [`Surfel::sky`] of a surface of which the part `open` is open through each cell, by column and row.
-pub(crate) fn sky(normal: Vec3, open: impl Fn([usize; 2]) -> f32) -> [(f32, Vec3); 2] {
-    const SIDE: usize = Surfel::SIDE;
-    let [x, y] = axes(normal);
-    // Column by column in lanes: the part open below and in all, and its moments along x, y and the normal.
-    let [mut below, mut all] = [[[0.0_f32; SIDE]; 4]; 2];
-    for row in 0..SIDE {
-        let b = middle(row);
-        for column in 0..SIDE {
-            let a = middle(column);
-            let rest = 1.0 - a * a - b * b;
-            let part = if rest < 0.0 { 0.0 } else { open([column, row]) };
-            let along = rest.max(0.0).sqrt();
-            let height = a * x.z + b * y.z + along * normal.z;
-            let under = if height < 0.0 { part } else { 0.0 };
-            for (sums, part) in [(&mut all, part), (&mut below, under)] {
-                sums[0][column] += part;
-                sums[1][column] += part * a;
-                sums[2][column] += part * b;
-                sums[3][column] += part * along;
-            }
-        }
-    }
-    let sum = |lanes: &[f32; SIDE]| lanes.iter().sum::<f32>() / WHOLE;
-    let total =
-        |[open, a, b, along]: &[[f32; SIDE]; 4]| (sum(open), sum(a) * x + sum(b) * y + sum(along) * normal);
-    let (below, all) = (total(&below), total(&all));
-    [(all.0 - below.0, all.1 - below.1), below]
-}
-
 /// The middle of a row or column of the mask, from −1 to 1.
 const fn middle(i: usize) -> f32 {
     (i as f32 + 0.5) * (2.0 / Surfel::SIDE as f32) - 1.0
@@ -239,11 +237,6 @@ pub(crate) fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
     let [x, y] = axes(normal);
     let place = |axis: Vec3| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32;
     [place(x), place(y)]
-}
-
-/// The direction through the middle of a cell, by its column and row.
-pub(crate) fn from_disk(normal: Vec3, cell: [usize; 2]) -> Vec3 {
-    direction(normal, cell.map(|c| (2.0 * c as f32 + 1.0) / Surfel::SIDE as f32 - 1.0))
 }
 
 /// The axes of the disk.
@@ -328,6 +321,37 @@ mod tests {
     #[test]
     fn fourteen_bytes() {
         assert_eq!(size_of::<Surfel>(), 14);
+    }
+
+    /// [`Surfel::sky`], cell by cell, of a surface of which the part `open` is open through each cell, by column and row.
+    fn sky(normal: Vec3, open: impl Fn([usize; 2]) -> f32) -> [(f32, Vec3); 2] {
+        const SIDE: usize = Surfel::SIDE;
+        let [x, y] = axes(normal);
+        // Column by column in lanes: the part open below and in all, and its moments along x, y and the normal.
+        let [mut below, mut all] = [[[0.0_f32; SIDE]; 4]; 2];
+        for row in 0..SIDE {
+            let b = middle(row);
+            for column in 0..SIDE {
+                let a = middle(column);
+                let rest = 1.0 - a * a - b * b;
+                let part = if rest < 0.0 { 0.0 } else { open([column, row]) };
+                let along = rest.max(0.0).sqrt();
+                let height = a * x.z + b * y.z + along * normal.z;
+                let under = if height < 0.0 { part } else { 0.0 };
+                for (sums, part) in [(&mut all, part), (&mut below, under)] {
+                    sums[0][column] += part;
+                    sums[1][column] += part * a;
+                    sums[2][column] += part * b;
+                    sums[3][column] += part * along;
+                }
+            }
+        }
+        let sum = |lanes: &[f32; SIDE]| lanes.iter().sum::<f32>() / WHOLE;
+        let total = |[open, a, b, along]: &[[f32; SIDE]; 4]| {
+            (sum(open), sum(a) * x + sum(b) * y + sum(along) * normal)
+        };
+        let (below, all) = (total(&below), total(&all));
+        [(all.0 - below.0, all.1 - below.1), below]
     }
 
     #[test]

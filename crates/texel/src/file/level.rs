@@ -1,7 +1,7 @@
 //! A level as the bytes of a file: counts, then tables whose records stand in [`planes`](super::planes).
 //!
 //! ```text
-//! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with lobes
+//! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with reflectances; bit 3: these with highlights
 //!      4  bricks      u32
 //!      8  voxels      u32
 //!     12  surfels     u32
@@ -10,8 +10,7 @@
 //!     24  colours     u32  of the compact form; else 0
 //!     28  scatterers  u32
 //!     32  map         u32  cells along an axis of their maps, or 0 for none
-//!     36  lobes       u32
-//!     40  bricks      Morton code u32
+//!     36  bricks      Morton code u32
 //!         occupancy   8 × u64 a brick, one for each of its 4³ blocks
 //!         openness    u8
 //!
@@ -26,8 +25,11 @@
 //!         records     of a surfel or of the two sides of a sheet, as in memory: the low u16 of each; the high u16, one
 //!                     record after the other, since neighbours face alike; u8
 //!
-//! lobes   counts      72 × u8 a voxel: the lobes for each direction
-//!         lobes       22 bytes, as in memory
+//! reflectances
+//!         largest     2 × f32 a voxel
+//!         nodes       15 bytes, as in memory: 128 a voxel
+//!         facings     4 bytes, as in memory: 24 a voxel
+//!         tables      8256 bytes a voxel, as in memory; twice that with highlights
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory
@@ -38,10 +40,10 @@ use super::planes::{Planes, write};
 use crate::Level;
 use crate::bricks::Bricks;
 use crate::compact::{Compact, CompactSurfels, CompactVoxel};
-use crate::lobe::{Lobe, Lobes};
 use crate::octree::Content;
 use crate::packed::Packed;
 use crate::palette::Palette;
+use crate::reflectance::{FACINGS, NODES, Parts, Reflectances, table_bytes};
 use crate::sample::Sample;
 use crate::scatterer::{Cloud, Scatterer};
 use crate::surfel::{Surfel, Surfels};
@@ -56,12 +58,15 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
         }
     };
     let [directions, colors] = palettes;
-    let form =
-        compact | usize::from(level.cloud().is_there()) << 1 | usize::from(level.all_lobes().is_there()) << 2;
+    let reflectances = level.reflectances();
+    let form = compact
+        | usize::from(level.cloud().is_there()) << 1
+        | usize::from(reflectances.is_there()) << 2
+        | usize::from(reflectances.are_glossy()) << 3;
     let (scatterers, maps, side) = level.cloud().tables();
     let counts = [form, bricks.len(), level.len(), surfels, level.openness().len(), directions, colors];
     let mut out = Vec::new();
-    for count in counts.into_iter().chain([scatterers.len(), side, level.all_lobes().all().len()]) {
+    for count in counts.into_iter().chain([scatterers.len(), side]) {
         out.extend((count as u32).to_le_bytes());
     }
     write(&mut out, bricks.iter().map(|(code, _)| code.to_le_bytes()));
@@ -85,8 +90,11 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
             out.extend(shares);
         }
     }
-    write(&mut out, level.all_lobes().counts().map(|count| [count]));
-    write(&mut out, level.all_lobes().all().iter().map(|lobe| lobe.to_bytes()));
+    let parts = reflectances.parts();
+    write(&mut out, parts.largest);
+    write(&mut out, parts.nodes);
+    write(&mut out, parts.facings);
+    out.extend(parts.tables);
     write(&mut out, level.cloud().counts().map(u32::to_le_bytes));
     write(&mut out, scatterers.iter().map(|scatterer| scatterer.0.to_bytes()));
     out.extend(maps);
@@ -98,8 +106,8 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     const SHORT: &str = "is shorter than its counts say";
     let mut planes = Planes(bytes);
     let counts = planes.counts().ok_or(SHORT)?;
-    let [form, bricks, voxels, surfels, openness, directions, colors, scatterers, side, lobes] = counts;
-    if form > 7 {
+    let [form, bricks, voxels, surfels, openness, directions, colors, scatterers, side] = counts;
+    if form > 15 || form & 12 == 8 {
         return Err("is of a form that there is not");
     }
     let codes = planes.read(bricks).ok_or(SHORT)?.map(u32::from_le_bytes);
@@ -132,10 +140,16 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     };
     let mut level = Level::of_parts(bricks, content, openness, periodic);
     if form & 4 != 0 {
-        let counts =
-            Lobes::count(voxels).and_then(|count| planes.read(count)).ok_or(SHORT)?.map(|[count]| count);
-        let all = planes.read(lobes).ok_or(SHORT)?.map(Lobe::from_bytes).collect();
-        level.set_lobes(Lobes::from_tables(counts, all).ok_or("miscounts its lobes")?);
+        let largest = planes.read(voxels).ok_or(SHORT)?;
+        let nodes = planes.read(NODES.checked_mul(voxels).ok_or(SHORT)?).ok_or(SHORT)?;
+        let facings = planes.read(FACINGS.checked_mul(voxels).ok_or(SHORT)?).ok_or(SHORT)?;
+        let glossy = form & 8 != 0;
+        let size = voxels.checked_mul(table_bytes(glossy)).ok_or(SHORT)?;
+        let (tables, rest) = planes.0.split_at_checked(size).ok_or(SHORT)?;
+        planes.0 = rest;
+        let parts = Parts { largest, nodes, facings, tables: tables.to_vec() };
+        let reflectances = Reflectances::from_parts(glossy, parts);
+        level.set_reflectances(reflectances.ok_or("has a reflectance that is no number")?);
     }
     if form & 2 != 0 {
         let counts = planes.read(voxels).ok_or(SHORT)?.map(u32::from_le_bytes);

@@ -133,8 +133,8 @@ fn other_versions_are_told_from_damaged_ones() {
         bytes[24..28].copy_from_slice(&hasher.finalize().to_le_bytes());
         read(&bytes)
     };
-    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 2 })));
-    assert!(matches!(of_version(1), Err(FileError::Older { version: 1, known: 2 })));
+    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 3 })));
+    assert!(matches!(of_version(1), Err(FileError::Older { version: 1, known: 3 })));
 }
 
 #[test]

@@ -1,9 +1,9 @@
-//! What a voxel sends to the eye of the light that reaches it: a sum over the points of its surface, its lobes, the points
+//! What a voxel sends to the eye of the light that reaches it: a sum over the points of its surface, its reflectance, the points
 //! of its density, or normals of its ellipsoid, four at a time.
 
 use glam::{Mat3, Vec3};
 use pelage_geom::Vec3x4;
-use pelage_texel::{Level, Lobe, LobesX4, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
+use pelage_texel::{Level, Reflectance, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
 use wide::f32x4;
 
 use super::gloss::Gloss;
@@ -40,19 +40,16 @@ pub(super) struct Towards {
     pub towards: Vec3,
     /// Unit vector half-way between those to it and to the eye, scene space.
     pub half: Vec3,
-    /// [`Lobe::alike`] of the eye and the light.
-    alike: f32,
     /// What is reflected of it, weighed; per unit of illuminance.
     reflected: Vec3x4,
 }
 
 impl Towards {
-    /// A light from which `incoming` arrives; `eye` and `towards` are unit vectors of texel space, `view` is one to the
-    /// eye of scene space.
-    pub fn new(index: usize, incoming: Incoming, [eye, towards]: [Vec3; 2], view: Vec3) -> Self {
+    /// A light from which `incoming` arrives, along `towards` of texel space; `view` is the unit vector to the eye, scene
+    /// space.
+    pub fn new(index: usize, incoming: Incoming, towards: Vec3, view: Vec3) -> Self {
         let half = (view + incoming.direction).normalize_or_zero();
-        let alike = Lobe::alike(eye, towards);
-        Self { index, incoming, towards, half, alike, reflected: Vec3x4::default() }
+        Self { index, incoming, towards, half, reflected: Vec3x4::default() }
     }
 }
 
@@ -160,22 +157,24 @@ impl Facing {
         self.add(normal, color, weight, lit, sky);
     }
 
-    /// The lobes that are seen from here.
-    pub fn add_lobes(&mut self, level: &Level, voxel: u32) {
-        for (share, numbers) in level.lobes(voxel, self.view) {
-            let lobes = level.lobes_in(numbers.clone());
-            let whole: f32 = lobes.iter().map(Lobe::weight).sum();
-            for (begin, four) in (numbers.start..).step_by(4).zip(lobes.chunks(4)) {
-                // The last stands for those that are missing, and they for nothing.
-                let lobe = |i: usize| four[i.min(four.len() - 1)];
-                let part = |i: usize| if i < four.len() { share / whole } else { 0.0 };
-                let lobes = LobesX4::new([lobe(0), lobe(1), lobe(2), lobe(3)]);
-                let Samples { normal, color, weight } = lobes.samples;
-                let weight = weight * f32x4::new([part(0), part(1), part(2), part(3)]);
-                let lit = |light: &Towards| lobes.lit(light.alike, light.towards);
-                let sky = |i: usize| (i < four.len()).then(|| level.lobe_sky(begin + i as u32));
-                self.add(normal, color, weight, lit, || Some(side_by_side(sky)));
+    /// What a voxel of a coarse level reflects. Without shadows it has nothing to say: they are in it.
+    pub fn add_reflectance(&mut self, level: &Level, voxel: u32) {
+        let Some(reflectance) = level.reflectance(voxel, self.view).filter(|_| self.shadows) else { return };
+        self.sums.weight += once(1.0);
+        self.sums.normal += alone(reflectance.normal);
+        let tint = self.tint;
+        if let Some(environment) = &self.environment {
+            for (sum, (open, directions)) in self.sums.sky.iter_mut().zip(reflectance.sky) {
+                let turned = (self.jacobian * directions).normalize_or_zero() * directions.length();
+                *sum += environment.gathered(once(open), alone(turned)) * alone(tint * reflectance.color);
             }
+        }
+        for light in &mut self.lights {
+            let lit = reflectance.lit(light.towards);
+            let reflected = self.gloss.reflected_mean(tint * lit.diffuse, lit.gloss);
+            let bent = || bent(&reflectance, &self.cofactor, self.view, light);
+            light.reflected +=
+                if reflected == Vec3::ZERO { Vec3x4::default() } else { alone(reflected * bent()) };
         }
     }
 
@@ -262,6 +261,34 @@ impl Facing {
             light.reflected += reflected * ((weight * lit) & facing);
         }
     }
+}
+
+/// By how much a bent voxel's cosines to a light are what they are in texel space, on the mean over what is seen and lit. That
+/// of a normal n which is carried along is (n·t) |J⁻¹ l| / |J⁻ᵀ n|, t the direction of J⁻¹ l.
+fn bent(reflectance: &Reflectance, cofactor: &Mat3, eye: Vec3, light: &Towards) -> f32 {
+    let (eye, towards) = (Vec3x4::splat(eye), Vec3x4::splat(light.towards));
+    let (mut carried, mut whole) = (f32x4::ZERO, f32x4::ZERO);
+    for (normal, weight) in reflectance.facings() {
+        let both = normal.dot(eye).max(f32x4::ZERO) * normal.dot(towards).max(f32x4::ZERO) * weight;
+        let length = normal.carried(cofactor).length().max(f32x4::splat(f32::MIN_POSITIVE));
+        carried += both / length;
+        whole += both;
+    }
+    let whole = whole.reduce_add();
+    if whole == 0.0 {
+        return 1.0; // of what faces neither way hardly anything is seen and lit
+    }
+    (cofactor.transpose() * light.incoming.direction).length() * carried.reduce_add() / whole
+}
+
+/// A number in the first of four lanes.
+fn once(x: f32) -> f32x4 {
+    f32x4::new([x, 0.0, 0.0, 0.0])
+}
+
+/// A vector in the first of four lanes.
+fn alone(v: Vec3) -> Vec3x4 {
+    Vec3x4::new([v, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO])
 }
 
 /// Of up to four parts.

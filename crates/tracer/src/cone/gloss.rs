@@ -46,6 +46,13 @@ impl Gloss {
         cosine * reflected
     }
 
+    /// The mean of [`reflected`](Self::reflected) over several normals: of `albedo` times cosine, and of cosine times the
+    /// highlight of height 1.
+    #[inline]
+    pub fn reflected_mean(self, albedo: Vec3, highlight: f32) -> Vec3 {
+        albedo * FRAC_1_PI + self.height * highlight
+    }
+
     /// [`reflected`](Self::reflected) of four normals and their albedos.
     #[inline]
     pub fn reflected_x4(self, albedo: Vec3x4, normal: Vec3x4, to_light: Vec3, half: Vec3) -> Vec3x4 {

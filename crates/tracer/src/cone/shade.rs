@@ -71,12 +71,12 @@ impl Shader {
         facing.lights.extend(scene.lights.iter().enumerate().filter_map(|(index, light)| {
             let incoming = light.incoming(point.as_vec3())?;
             let towards = (inverse * incoming.direction).normalize_or_zero();
-            Some(Towards::new(index, incoming, [facing.view, towards], view))
+            Some(Towards::new(index, incoming, towards, view))
         }));
         facing.begin();
 
         facing.add_surfels(level, seen.voxel);
-        facing.add_lobes(level, seen.voxel);
+        facing.add_reflectance(level, seen.voxel);
         let scatterers = level.scatterers(seen.voxel);
         let holds_shadows = Scatterers::hold_shadows(seen.key.level.into());
         facing.add_scatterers(scatterers, holds_shadows);
