@@ -43,15 +43,15 @@ fn compare(content: Content, tolerance: &Tolerance) {
 
 // The goals are alpha within 1 % (fur 1.5 %), and energy within 2 % at 64 pixels a box and 4 % beyond. Alpha reaches
 // them but for leaves from 4 pixels on, 2.3 %. Energy does not, except that of the sheet down to 16 pixels; the tolerances
-// are what is reached, rounded up (lobes of two bits a cell moved it by up to 1 %, up and down). At 64 pixels grass and leaves are 5 % too bright from the side on the bent skin; from 4
-// pixels on, fur is 13 to 18 % too dark from the side on the bent skin, and 7 to 10 % too bright near the view; leaves near
-// the view are 8 % too dark at 4 pixels.
+// are what is reached, rounded up. At 64 pixels grass and leaves are 5 % too bright from the side on the bent skin; at 4 pixels the
+// flat sheet is 8 % of its side's light too bright from behind, where its copies shade each other at a grazing angle; fur
+// is 9 % too bright near the view from 16 pixels on, and 14 % too dark from the side where a bent box is one pixel.
 
 #[test]
 fn a_sheet_is_as_bright_as_its_geometry() {
     compare(
         Content::Sheet,
-        &Tolerance { alpha: [0.003, 0.003, 0.003, 0.007], energy: [0.01, 0.015, 0.045, 0.055] },
+        &Tolerance { alpha: [0.003, 0.003, 0.003, 0.007], energy: [0.01, 0.015, 0.08, 0.057] },
     );
 }
 
@@ -59,7 +59,7 @@ fn a_sheet_is_as_bright_as_its_geometry() {
 fn leaves_are_as_bright_as_their_geometry() {
     compare(
         Content::Leaves,
-        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.05, 0.045, 0.095, 0.04] },
+        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.05, 0.045, 0.06, 0.06] },
     );
 }
 
@@ -75,6 +75,6 @@ fn grass_is_as_bright_as_its_geometry() {
 fn fur_is_as_bright_as_its_geometry() {
     compare(
         Content::Fur,
-        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.04, 0.095, 0.15, 0.19] },
+        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.04, 0.095, 0.095, 0.145] },
     );
 }

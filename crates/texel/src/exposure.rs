@@ -94,7 +94,7 @@ pub(crate) fn work(lists: &[Cells]) -> usize {
 
 /// Points at most of which the reflectance of a level's voxels is measured; `None` where it has surfels.
 fn most_points(level: usize) -> Option<usize> {
-    [16384, 4096, 2048].get(level).copied()
+    [65536, 8192, 2048].get(level).copied()
 }
 
 /// Surfels in a voxel of a level at most.

@@ -28,7 +28,7 @@
 //! reflectances
 //!         largest     2 × f32 a voxel
 //!         nodes       15 bytes, as in memory: 128 a voxel
-//!         facings     4 bytes, as in memory: 24 a voxel
+//!         facings     5 bytes, as in memory: 24 a voxel
 //!         tables      8256 bytes a voxel, as in memory; twice that with highlights
 //!
 //! density counts      u32: the scatterers of each voxel

@@ -4,8 +4,9 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
+use super::facing::{FACINGS, Facing};
 use super::nodes::{FIT, NODES, node};
-use super::{FACINGS, Facing, Node, PAIRS, brightness, pair};
+use super::{Node, PAIRS, brightness, pair};
 use crate::packed::bytes;
 use crate::surfel::{Surfel, on_disk};
 
@@ -43,7 +44,7 @@ impl Measured {
     /// Of points, and the exponent of their highlight if they have one.
     pub(crate) fn new(points: &[Point], exponent: Option<f32>) -> Self {
         let mut sums = [Sums::default(); NODES];
-        let mut facings = [Vec3::ZERO; FACINGS];
+        let mut facings = [(Vec3::ZERO, 0.0); FACINGS];
         let mut tables = vec![vec![0.0_f32; PAIRS]; if exponent.is_some() { 2 } else { 1 }];
         let mut both = vec![0.0_f32; PAIRS];
         let step = points.len() / HIGHLIGHTS + 1;
@@ -81,7 +82,9 @@ impl Measured {
                     sum.1 += weight * directions;
                 }
             }
-            facings[facing(normal)] += visible * normal;
+            let (sum, weight) = &mut facings[Facing::number(normal)];
+            *sum += visible * normal;
+            *weight += visible;
         }
         let most = sums.iter().fold(f32::MIN_POSITIVE, |most, sums| most.max(sums.seen));
         let nodes = sums.map(|sums| Node::new(&sums, most));
@@ -100,7 +103,7 @@ impl Measured {
             let whole = largest.max(f32::MIN_POSITIVE);
             packed.extend(table.iter().map(|entry| (255.0 * (entry / whole).sqrt()).round() as u8));
         }
-        Self { nodes, facings: packed_facings(&facings), largest, tables: packed }
+        Self { nodes, facings: Facing::all(&facings), largest, tables: packed }
     }
 }
 
@@ -143,22 +146,6 @@ static PAIR: LazyLock<Vec<Pair>> = LazyLock::new(|| {
     };
     (0..NODES).flat_map(|a| (0..=a).map(move |b| pair(node(a), node(b)))).collect()
 });
-
-/// Which of the classes a normal belongs to: by the signs of its coordinates, and which of them is the largest.
-fn facing(normal: Vec3) -> usize {
-    let axis = normal.abs().max_position();
-    let signs = normal.to_array().map(|x| usize::from(x < 0.0));
-    8 * axis + signs[0] + 2 * signs[1] + 4 * signs[2]
-}
-
-/// From the sums of the normals of each class.
-fn packed_facings(sums: &[Vec3; FACINGS]) -> [Facing; FACINGS] {
-    let most = sums.iter().fold(f32::MIN_POSITIVE, |most, sum| most.max(sum.length()));
-    sums.map(|sum| {
-        let normal = sum.normalize_or_zero().to_array().map(|x| (127.0 * x).round() as i8);
-        (normal, (255.0 * sum.length() / most).round() as u8)
-    })
-}
 
 impl Node {
     fn new(sums: &Sums, most: f32) -> Self {

@@ -3,7 +3,7 @@
 
 use glam::{Mat3, Vec3};
 use pelage_geom::Vec3x4;
-use pelage_texel::{Level, Reflectance, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
+use pelage_texel::{Level, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
 use wide::f32x4;
 
 use super::gloss::Gloss;
@@ -169,12 +169,11 @@ impl Facing {
                 *sum += environment.gathered(once(open), alone(turned)) * alone(tint * reflectance.color);
             }
         }
+        let inverse = self.cofactor.transpose();
         for light in &mut self.lights {
-            let lit = reflectance.lit(light.towards);
-            let reflected = self.gloss.reflected_mean(tint * lit.diffuse, lit.gloss);
-            let bent = || bent(&reflectance, &self.cofactor, self.view, light);
-            light.reflected +=
-                if reflected == Vec3::ZERO { Vec3x4::default() } else { alone(reflected * bent()) };
+            let length = (inverse * light.incoming.direction).length();
+            let lit = reflectance.lit(light.towards, &inverse, length);
+            light.reflected += alone(self.gloss.reflected_mean(tint * lit.diffuse, lit.gloss));
         }
     }
 
@@ -261,24 +260,6 @@ impl Facing {
             light.reflected += reflected * ((weight * lit) & facing);
         }
     }
-}
-
-/// By how much a bent voxel's cosines to a light are what they are in texel space, on the mean over what is seen and lit. That
-/// of a normal n which is carried along is (n·t) |J⁻¹ l| / |J⁻ᵀ n|, t the direction of J⁻¹ l.
-fn bent(reflectance: &Reflectance, cofactor: &Mat3, eye: Vec3, light: &Towards) -> f32 {
-    let (eye, towards) = (Vec3x4::splat(eye), Vec3x4::splat(light.towards));
-    let (mut carried, mut whole) = (f32x4::ZERO, f32x4::ZERO);
-    for (normal, weight) in reflectance.facings() {
-        let both = normal.dot(eye).max(f32x4::ZERO) * normal.dot(towards).max(f32x4::ZERO) * weight;
-        let length = normal.carried(cofactor).length().max(f32x4::splat(f32::MIN_POSITIVE));
-        carried += both / length;
-        whole += both;
-    }
-    let whole = whole.reduce_add();
-    if whole == 0.0 {
-        return 1.0; // of what faces neither way hardly anything is seen and lit
-    }
-    (cofactor.transpose() * light.incoming.direction).length() * carried.reduce_add() / whole
 }
 
 /// A number in the first of four lanes.
