@@ -22,6 +22,7 @@ use std::io::{Read, Write};
 pub use error::FileError;
 pub use header::{Part, PartKind};
 pub use meta::Metadata;
+use rayon::prelude::*;
 
 use crate::{Level, Source, Texel};
 use header::Header;
@@ -34,13 +35,14 @@ pub struct FileOptions {
     /// Whether the triangles that it was made from go along: the largest part by far, but without them it cannot be
     /// judged. The parameters of a kind that grew it always do; they take no place.
     pub with_triangles: bool,
-    /// How hard the parts are packed: 1 (fast) to 22 (small), as Zstandard counts.
+    /// How hard the parts are packed: 1 (fast) to 22 (small), as Zstandard counts. From 16 on a match has to be worth its
+    /// place, which most in a level are not.
     pub effort: i32,
 }
 
 impl Default for FileOptions {
     fn default() -> Self {
-        Self { metadata: Metadata::default(), with_triangles: false, effort: 12 }
+        Self { metadata: Metadata::default(), with_triangles: false, effort: 17 }
     }
 }
 
@@ -84,32 +86,30 @@ impl Texel {
         if !(1..=22).contains(&options.effort) {
             return Err(FileError::Effort { effort: options.effort });
         }
-        let mut header = Header::default();
-        let mut packed = Vec::new();
-        let mut add = |kind: PartKind, content: Vec<u8>| -> Result<(), FileError> {
-            let bytes = zstd::bulk::compress(&content, options.effort)?;
-            let (stored, unpacked) = (bytes.len() as u64, content.len() as u64);
-            header.parts.push(Part { kind, stored, unpacked, checksum: crc32fast::hash(&bytes) });
-            packed.push(bytes);
-            Ok(())
-        };
         self.validate_properties()?;
         self.source().validate()?;
-        add(PartKind::Metadata, meta::encode(self, &options.metadata).map_err(std::io::Error::from)?)?;
-        for (l, level) in (0..).zip(self.levels()) {
-            add(PartKind::Level(l), level::encode(level))?;
-        }
+        let metadata = meta::encode(self, &options.metadata).map_err(std::io::Error::from)?;
+        let mut contents = vec![(PartKind::Metadata, metadata)];
+        contents
+            .extend((0..).zip(self.levels()).map(|(l, level)| (PartKind::Level(l), level::encode(level))));
         match self.source() {
             Source::Grown(kind) => {
-                add(PartKind::Kind, meta::encode_kind(kind).map_err(std::io::Error::from)?)?
+                contents.push((PartKind::Kind, meta::encode_kind(kind).map_err(std::io::Error::from)?));
             }
             Source::Geometry(geometry) if options.with_triangles => {
-                add(PartKind::Triangles, mesh::encode(geometry))?;
+                contents.push((PartKind::Triangles, mesh::encode(geometry)));
             }
             _ => {}
         }
+        let pack = |(kind, content): (PartKind, Vec<u8>)| -> std::io::Result<(Part, Vec<u8>)> {
+            let bytes = zstd::bulk::compress(&content, options.effort)?;
+            let (stored, unpacked) = (bytes.len() as u64, content.len() as u64);
+            Ok((Part { kind, stored, unpacked, checksum: crc32fast::hash(&bytes) }, bytes))
+        };
+        let packed: Vec<_> = contents.into_par_iter().map(pack).collect::<Result<_, _>>()?;
+        let header = Header { parts: packed.iter().map(|(part, _)| *part).collect() };
         out.write_all(&header.encode())?;
-        packed.iter().try_for_each(|bytes| out.write_all(bytes))?;
+        packed.iter().try_for_each(|(_, bytes)| out.write_all(bytes))?;
         Ok(())
     }
 
