@@ -73,6 +73,21 @@ fn what_is_written_returns() {
 }
 
 #[test]
+fn parameters_that_came_later_are_as_in_the_first_preset() {
+    let with_kind = |kind: &str| {
+        let mut parts = parts_of(&written(grass(), &FileOptions::default()));
+        parts.last_mut().unwrap().1 = kind.into();
+        read(&forged(&parts))
+    };
+    let file = with_kind(r#"{"grass":{"count":4}}"#).unwrap();
+    let expected = Grass { count: 4, ..Grass::default() };
+    assert!(matches!(file.texel.source(), Source::Grown(Kind::Grass(grass)) if *grass == expected));
+    // What a newer version has and this one cannot grow is named.
+    let error = with_kind(r#"{"grass":{"count":4,"dew":1}}"#).unwrap_err().to_string();
+    assert!(error.starts_with("the kind cannot be grown: unknown field `dew`"), "{error}");
+}
+
+#[test]
 fn every_form_returns() {
     let triangles = grass().source().geometry().unwrap();
     let options = BuildOptions { depth: 5, ..BuildOptions::preview() };

@@ -138,7 +138,12 @@ macro_rules! parameters {
     ) => {
         $(#[doc = $about])+
         #[derive(Clone, Debug, PartialEq)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+        // In the files of earlier versions parameters are missing that came later: they are as in the first preset.
+        #[cfg_attr(
+            feature = "serde",
+            derive(serde::Serialize, serde::Deserialize),
+            serde(default, deny_unknown_fields)
+        )]
         pub struct $kind {$(
             $(#[doc = $meaning])+
             $(#[doc = concat!("\n\nFrom ", $lo, " to ", $hi, $(" ", $unit,)? ".")])?
