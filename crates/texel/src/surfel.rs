@@ -234,14 +234,18 @@ const fn middle(i: usize) -> f32 {
 /// each holds as much cosine-weighted light as any other.
 #[inline]
 pub(crate) fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
-    let [x, y] = axes(normal);
-    let place = |axis: Vec3| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32;
-    [place(x), place(y)]
+    place(&axes(normal), d)
+}
+
+/// The same, by the axes of the disk.
+#[inline]
+pub(crate) fn place(axes: &[Vec3; 2], d: Vec3) -> [f32; 2] {
+    axes.map(|axis| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32)
 }
 
 /// The axes of the disk.
 #[inline]
-fn axes(normal: Vec3) -> [Vec3; 2] {
+pub(crate) fn axes(normal: Vec3) -> [Vec3; 2] {
     let (x, y) = normal.any_orthonormal_pair();
     [x, y]
 }

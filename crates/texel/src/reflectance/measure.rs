@@ -8,7 +8,7 @@ use super::facing::{FACINGS, Facing};
 use super::nodes::{FIT, NODES, node};
 use super::{Node, PAIRS, brightness, pair};
 use crate::packed::bytes;
-use crate::surfel::{Surfel, on_disk};
+use crate::surfel::{Surfel, axes, place};
 
 /// A point of the surface as a level sees it.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +29,9 @@ pub(crate) struct Measured {
 /// About so many points are asked for their highlight, which takes longer than all else.
 const HIGHLIGHTS: usize = 800;
 
+/// A fit rings by less than this far from where a point is seen: it is left out.
+const NOTHING: f32 = 2e-3;
+
 /// What is summed of the points that are seen from a node.
 #[derive(Clone, Copy, Default)]
 struct Sums {
@@ -46,25 +49,31 @@ impl Measured {
         let mut sums = [Sums::default(); NODES];
         let mut facings = [(Vec3::ZERO, 0.0); FACINGS];
         let mut tables = vec![vec![0.0_f32; PAIRS]; if exponent.is_some() { 2 } else { 1 }];
-        let mut both = vec![0.0_f32; PAIRS];
-        let step = points.len() / HIGHLIGHTS + 1;
+        let (pairs, step) = (&*PAIR, points.len() / HIGHLIGHTS + 1);
         for (i, Point { surfel, weight }) in points.iter().enumerate() {
             let (normal, color) = (surfel.normal(), surfel.color());
-            let open = |d: Vec3| if surfel.sees(d) { normal.dot(d) } else { 0.0 };
-            let seen = FIT.of(open);
             let around = surfel.open_around();
-            let near = |d: Vec3| match normal.dot(d) {
-                cosine if cosine > 0.0 => cosine * around[Surfel::cell(on_disk(normal, d))],
-                _ => 0.0,
-            };
-            seen_and_lit(&seen, &FIT.of(near), &mut both);
+            let axes = axes(normal);
+            let [mut seen, mut near] = FIT.of_each(|d| {
+                let cosine = normal.dot(d);
+                if cosine <= 0.0 {
+                    return [0.0; 2];
+                }
+                let cell = Surfel::cell(place(&axes, d));
+                [if surfel.mask() >> cell & 1 != 0 { cosine } else { 0.0 }, cosine * around[cell]]
+            });
+            seen.iter_mut().chain(&mut near).filter(|x| x.abs() < NOTHING).for_each(|x| *x = 0.0);
             let bright = weight * brightness(color);
-            tables[0].iter_mut().zip(&both).for_each(|(sum, both)| *sum += bright * both);
-            if let (Some(exponent), Some(table), 0) = (exponent, tables.get_mut(1), i % step) {
-                let weight = weight * step as f32;
-                for ((sum, both), pair) in table.iter_mut().zip(&both).zip(PAIR.iter()) {
-                    if *both != 0.0 {
-                        *sum += weight * both * normal.dot(pair.half).max(0.0).powf(exponent);
+            let highlight = exponent.filter(|_| i % step == 0).map(|m| (m, weight * step as f32));
+            let reached: Vec<usize> = (0..NODES).filter(|&a| seen[a] != 0.0 || near[a] != 0.0).collect();
+            for (i, &a) in reached.iter().enumerate() {
+                for &b in &reached[..=i] {
+                    let entry = pair(a, b);
+                    let both = seen_and_lit([seen[a], seen[b]], [near[a], near[b]], &pairs[entry]);
+                    tables[0][entry] += bright * both;
+                    if let (Some((exponent, weight)), Some(table)) = (highlight, tables.get_mut(1)) {
+                        let peak = normal.dot(pairs[entry].half).max(0.0).powf(exponent);
+                        table[entry] += weight * both * peak;
                     }
                 }
             }
@@ -107,27 +116,19 @@ impl Measured {
     }
 }
 
-/// How much of a point is seen from one node and lit from the other, of each pair, where `seen` is seen from each alone and `near`
-/// is open just beside.
+/// How much of a point is seen from one node of a pair and lit from the other, where `seen` is seen from each alone and `near` is
+/// open just beside.
 ///
-/// From two directions that are nearer to each other than the width of a mask's cell, a point is open or not alike: more alike than it is,
-/// for a gap may be narrower. There what lies beside counts for one of the two; where they are one and the same, [`Reflectance`] knows
+/// From two directions that are nearer to each other than a mask's cell is wide, a point is open or not alike: too often, for a
+/// gap may be narrower. There what lies beside counts for one of the two; where they are one and the same, [`Reflectance`] knows
 /// better anyway.
 ///
 /// [`Reflectance`]: super::Reflectance
-fn seen_and_lit(seen: &[f32; NODES], near: &[f32; NODES], both: &mut [f32]) {
-    let mut rows = both;
-    let mut pairs = &PAIR[..];
-    for a in 0..NODES {
-        let (row, next) = rows.split_at_mut(a + 1);
-        let (of_row, others) = pairs.split_at(a + 1);
-        for (((both, pair), seen_b), near_b) in row.iter_mut().zip(of_row).zip(seen).zip(near) {
-            let apart = seen[a] * seen_b;
-            let beside = 0.5 * (seen[a] * near_b + near[a] * seen_b);
-            *both = apart + pair.near * (beside - apart);
-        }
-        (rows, pairs) = (next, others);
-    }
+#[inline]
+fn seen_and_lit(seen: [f32; 2], near: [f32; 2], pair: &Pair) -> f32 {
+    let apart = seen[0] * seen[1];
+    let beside = 0.5 * (seen[0] * near[1] + near[0] * seen[1]);
+    apart + pair.near * (beside - apart)
 }
 
 /// What is known of a pair of nodes.

@@ -85,18 +85,25 @@ impl Fit {
         Self { samples: places.map(|place| from_square(place, 1.0)), weights }
     }
 
-    /// The values at the nodes of a function on the sphere that is nowhere negative.
+    /// The values at the nodes of a function on the sphere.
     pub(super) fn of(&self, function: impl Fn(Vec3) -> f32) -> [f32; NODES] {
-        let mut values = [0.0; NODES];
-        for (half, side) in values.chunks_exact_mut(HALF).zip([1.0, -1.0]) {
+        let [values] = self.of_each(|d| [function(d)]);
+        values
+    }
+
+    /// The same of several functions.
+    pub(super) fn of_each<const N: usize>(&self, functions: impl Fn(Vec3) -> [f32; N]) -> [[f32; NODES]; N] {
+        let mut each = [[0.0; NODES]; N];
+        for (half, side) in [1.0, -1.0].into_iter().enumerate() {
             for (sample, weights) in self.samples.iter().zip(self.weights.iter()) {
-                let value = function(Vec3 { z: side * sample.z, ..*sample });
-                if value != 0.0 {
-                    half.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += value * weight);
+                let values = functions(Vec3 { z: side * sample.z, ..*sample });
+                for (sums, value) in each.iter_mut().zip(values).filter(|(_, value)| *value != 0.0) {
+                    let sums = &mut sums[HALF * half..][..HALF];
+                    sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += value * weight);
                 }
             }
         }
-        values
+        each
     }
 }
 
