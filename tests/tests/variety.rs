@@ -107,8 +107,7 @@ fn varied_copies_look_like_their_geometry() {
         "alpha {alpha:.4} of {expected:.4}, energy {energy:.3}, RMSE {error:.4}, noise {noise:.4}, other {other:.4}"
     );
     assert!((alpha / expected - 1.0).abs() < 0.02);
-    // Reached: 1.4 % of red, 2.1 % of green, 5.2 % of blue, of which there is least.
-    assert!((energy - 1.0).abs().max_element() < 0.055, "{energy}");
+    assert!((energy - 1.0).abs().max_element() < 0.05, "{energy}");
     assert!(error < 0.3 * other, "{error} of {other}");
 }
 

@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::Vec3;
 use pelage_geom::Symmetric3;
-use pelage_geom::material::exponent_of_roughness;
 use rayon::prelude::*;
 
 use crate::bricks::Bricks;
@@ -210,8 +209,7 @@ fn levels_of_triangles(
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
-    let highlight = (geometry.specular > 0.0).then(|| exponent_of_roughness(geometry.roughness));
-    let shown = exposure::measure(&facets, &lists, &scene, options.points, highlight, &report);
+    let shown = exposure::measure(&facets, &lists, &scene, options.points, &report);
     for (level, shown) in levels.iter_mut().zip(shown) {
         level.set_shown(shown);
     }

@@ -20,6 +20,7 @@ use crate::region::Parts;
 use crate::sample::snapped_normal;
 use crate::surfel::{Surfel, Surfels, direction};
 use crate::surroundings::Surroundings;
+use crate::thinning::{Found, merge_alike, thin_out};
 use crate::voxelise::{Cells, Facet};
 
 /// The levels up to this one take their points from it, with a ray for each cell of the mask; the finer ones from the
@@ -47,15 +48,13 @@ pub(crate) enum Shown {
     Reflectances(Reflectances),
 }
 
-/// What the voxels of every level show. `points` are tried in each voxel of level 4 on each side; `highlight` is the exponent of
-/// one, if there is any.
+/// What the voxels of every level show. `points` are tried in each voxel of level 4 on each side.
 /// `report` is told of the [`work`] done.
 pub(crate) fn measure(
     facets: &[Facet],
     lists: &[Cells],
     scene: &Surroundings,
     points: u32,
-    highlight: Option<f32>,
     report: &(dyn Fn(usize) + Sync),
 ) -> Vec<Shown> {
     let finest = lists.len().saturating_sub(1);
@@ -70,13 +69,12 @@ pub(crate) fn measure(
         0..=coarse,
         &content.points(&lists[coarse], &sampling, &|| report(COARSE_WORK)),
         &sampling,
-        highlight,
     );
     if finest > coarse {
         let sampling =
             Sampling { points: 8, stride: 2, alike: 0.97, edges: [edge(coarse + 1), edge(finest)] };
         let points = content.points(&lists[finest], &sampling, &|| report(1));
-        all.extend(choose(lists, coarse + 1..=finest, &points, &sampling, highlight));
+        all.extend(choose(lists, coarse + 1..=finest, &points, &sampling));
     }
     all
 }
@@ -113,7 +111,6 @@ fn choose(
     levels: RangeInclusive<usize>,
     points: &[Vec<Point>],
     sampling: &Sampling,
-    highlight: Option<f32>,
 ) -> Vec<Shown> {
     let last = *levels.end();
     let choose_level = |level: usize| {
@@ -127,9 +124,9 @@ fn choose(
                 let mut found = found(range);
                 thin_out(&mut found, most, &mut Random::new((level as u64) << 32 | i as u64, 0x3d1e));
                 let points: Vec<reflectance::Point> = found.iter().map(Found::point).collect();
-                reflectance::Measured::new(&points, highlight)
+                reflectance::Measured::new(&points)
             });
-            return Shown::Reflectances(Reflectances::new(highlight.is_some(), each.collect()));
+            return Shown::Reflectances(Reflectances::new(each.collect()));
         }
         let each = ranges.into_par_iter().enumerate().map(|(i, range)| {
             let mut found = found(range);
@@ -156,24 +153,6 @@ struct Point {
     weight: f32,
     /// How far it is to the next triangle through each cell that was asked, row after row, as a part of the longest reach.
     distances: [u8; 64],
-}
-
-/// A point as a level sees it.
-#[derive(Clone, Copy)]
-struct Found {
-    normal: Vec3,
-    color: Vec3,
-    open: u64,
-    weight: f32,
-}
-
-impl Found {
-    fn point(&self) -> reflectance::Point {
-        reflectance::Point {
-            surfel: Surfel::new(self.normal, self.color, 1.0, self.open),
-            weight: self.weight,
-        }
-    }
 }
 
 impl Point {
@@ -362,58 +341,4 @@ impl Content<'_> {
         }
         points
     }
-}
-
-/// Of those that face alike (20°) and are open to alike, the heaviest stands for all.
-fn merge_alike(found: &mut Vec<Found>) {
-    const COSINE: f32 = 0.94;
-    /// Cells of the mask in which they may differ: three squares of four.
-    const FEW: u32 = 12;
-    found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    let mut kept: Vec<Found> = Vec::with_capacity(found.len());
-    for one in found.drain(..) {
-        let like =
-            |f: &&mut Found| f.normal.dot(one.normal) > COSINE && (f.open ^ one.open).count_ones() <= FEW;
-        match kept.iter_mut().find(like) {
-            Some(f) => {
-                f.weight += one.weight;
-                f.color = f.color.lerp(one.color, one.weight / f.weight);
-            }
-            None => kept.push(one),
-        }
-    }
-    *found = kept;
-}
-
-/// Keeps at most `most`, those seen from more directions rather, each weighted for those it stands for.
-fn thin_out(found: &mut Vec<Found>, most: usize, random: &mut Random) {
-    // Those that are hardly seen are not so rare that one of them would count for very many.
-    let importance = |f: &Found| f.weight * (f.open.count_ones() + 8) as f32;
-    if found.len() <= most {
-        return;
-    }
-    // Even steps through those in order leave every kind of them its share.
-    found.sort_by_cached_key(|f| {
-        let [x, y] = crate::packed::octahedral(f.normal).map(|c| ((i32::from(c) + 32768) >> 12) as u32);
-        (x, if x.is_multiple_of(2) { y } else { 15 - y }, f.open.count_ones())
-    });
-    let step = found.iter().map(importance).sum::<f32>() / most as f32;
-    let mut next = step * random.unit();
-    let mut sum = 0.0;
-    let mut kept = 0;
-    for i in 0..found.len() {
-        let one = found[i];
-        let share = importance(&one);
-        let mut times = 0;
-        sum += share;
-        while next < sum && kept + times < most {
-            next += step;
-            times += 1;
-        }
-        if times > 0 {
-            found[kept] = Found { weight: one.weight * times as f32 * step / share, ..one };
-            kept += 1;
-        }
-    }
-    found.truncate(kept);
 }

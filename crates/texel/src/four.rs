@@ -147,16 +147,12 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    fn direction(random: &mut Random) -> Vec3 {
-        Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X)
-    }
-
     #[test]
     fn four_samples_are_one_and_one() {
         let random = &mut Random::new(5, 0);
         for _ in 0..2000 {
             let four = std::array::from_fn(|_| {
-                let n = direction(random);
+                let n = random.direction();
                 let color = Vec3::new(random.unit(), random.unit(), random.unit());
                 Sample::new(n, color, random.unit())
             });
@@ -173,9 +169,9 @@ mod tests {
         for _ in 0..2000 {
             let four: [Surfel; 4] = std::array::from_fn(|_| {
                 let halves: [u64; 2] = std::array::from_fn(|_| (random.unit() * 4e9) as u64);
-                Surfel::new(direction(random), Vec3::splat(0.5), 1.0, halves[0] << 32 | halves[1])
+                Surfel::new(random.direction(), Vec3::splat(0.5), 1.0, halves[0] << 32 | halves[1])
             });
-            let (eye, light) = (direction(random), direction(random));
+            let (eye, light) = (random.direction(), random.direction());
             let surfels = SurfelsX4::new(&four);
             let seen: u32 = four.iter().enumerate().map(|(i, s)| u32::from(s.sees(eye)) << i).sum();
             assert_eq!(surfels.sees(eye), seen);

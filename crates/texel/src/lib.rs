@@ -44,6 +44,7 @@ mod silhouette;
 mod source;
 mod surfel;
 mod surroundings;
+mod thinning;
 mod traverse;
 mod voxel;
 mod voxelise;
@@ -59,7 +60,7 @@ pub use kinds::{
 pub use line::{Crossing, Line};
 pub use octree::{Level, Texel};
 pub use procedure::{Geometry, Procedure};
-pub use reflectance::{Lit, Reflectance};
+pub use reflectance::{Bend, Lit, Reflectance};
 pub use scatterer::{Scatterer, Scatterers};
 pub use source::Source;
 pub use surfel::Surfel;

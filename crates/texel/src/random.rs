@@ -29,4 +29,14 @@ impl Random {
     pub(crate) fn signed(&mut self) -> f32 {
         2.0 * self.unit() - 1.0
     }
+    /// Uniform among unit vectors.
+    #[cfg(test)]
+    pub(crate) fn direction(&mut self) -> glam::Vec3 {
+        loop {
+            let d = glam::Vec3::new(self.signed(), self.signed(), self.signed());
+            if (0.01..1.0).contains(&d.length_squared()) {
+                return d.normalize();
+            }
+        }
+    }
 }

@@ -118,7 +118,7 @@ mod tests {
         }
         let random = &mut Random::new(9, 0);
         for _ in 0..20_000 {
-            let n = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
+            let n = random.direction();
             let color = Vec3::new(random.unit(), random.unit(), random.unit());
             let sample = Sample::new(n, color, random.unit());
             // Half a step of two coordinates and one of the third, at least 1/√3 away.

@@ -327,35 +327,19 @@ mod tests {
         assert_eq!(size_of::<Surfel>(), 14);
     }
 
-    /// [`Surfel::sky`], cell by cell, of a surface of which the part `open` is open through each cell, by column and row.
-    fn sky(normal: Vec3, open: impl Fn([usize; 2]) -> f32) -> [(f32, Vec3); 2] {
-        const SIDE: usize = Surfel::SIDE;
-        let [x, y] = axes(normal);
-        // Column by column in lanes: the part open below and in all, and its moments along x, y and the normal.
-        let [mut below, mut all] = [[[0.0_f32; SIDE]; 4]; 2];
-        for row in 0..SIDE {
-            let b = middle(row);
-            for column in 0..SIDE {
-                let a = middle(column);
-                let rest = 1.0 - a * a - b * b;
-                let part = if rest < 0.0 { 0.0 } else { open([column, row]) };
-                let along = rest.max(0.0).sqrt();
-                let height = a * x.z + b * y.z + along * normal.z;
-                let under = if height < 0.0 { part } else { 0.0 };
-                for (sums, part) in [(&mut all, part), (&mut below, under)] {
-                    sums[0][column] += part;
-                    sums[1][column] += part * a;
-                    sums[2][column] += part * b;
-                    sums[3][column] += part * along;
-                }
+    /// [`Surfel::sky`], cell by cell.
+    fn sky(surfel: Surfel) -> [(f32, Vec3); 2] {
+        let [x, y] = axes(surfel.normal());
+        let mut halves = [(0.0, Vec3::ZERO); 2];
+        for cell in (0..64).filter(|cell| surfel.mask() >> cell & 1 != 0) {
+            let (a, b) = (middle(cell % Surfel::SIDE), middle(cell / Surfel::SIDE));
+            if a.hypot(b) < 1.0 {
+                let d = a * x + b * y + (1.0 - a * a - b * b).sqrt() * surfel.normal();
+                let (open, sum) = &mut halves[usize::from(d.z < 0.0)];
+                (*open, *sum) = (*open + 1.0 / WHOLE, *sum + d / WHOLE);
             }
         }
-        let sum = |lanes: &[f32; SIDE]| lanes.iter().sum::<f32>() / WHOLE;
-        let total = |[open, a, b, along]: &[[f32; SIDE]; 4]| {
-            (sum(open), sum(a) * x + sum(b) * y + sum(along) * normal)
-        };
-        let (below, all) = (total(&below), total(&all));
-        [(all.0 - below.0, all.1 - below.1), below]
+        halves
     }
 
     #[test]
@@ -370,8 +354,7 @@ mod tests {
         // Counted by fours as cell by cell.
         let surfel =
             Surfel::new(Vec3::new(0.6, -0.3, 0.5).normalize(), Vec3::ONE, 1.0, 0x3c7e_f0ff_81c3_6699);
-        let each = |[column, row]: [usize; 2]| (surfel.mask() >> (Surfel::SIDE * row + column) & 1) as f32;
-        for ((a, v), (b, w)) in surfel.sky().into_iter().zip(sky(surfel.normal(), each)) {
+        for ((a, v), (b, w)) in surfel.sky().into_iter().zip(sky(surfel)) {
             assert!((a - b).abs() < 1e-6 && (v - w).length() < 1e-6);
         }
         let halves = Surfel::new(Vec3::X, Vec3::ONE, 1.0, u64::MAX).sky();
@@ -385,7 +368,7 @@ mod tests {
     fn a_cell_holds_the_directions_of_its_square() {
         let random = &mut Random::new(1, 0);
         for _ in 0..20_000 {
-            let n = Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X);
+            let n = random.direction();
             let n = snapped_normal(n);
             let (x, y) = (random.signed(), random.signed());
             let d = direction(n, [x, y]);

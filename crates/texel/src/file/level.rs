@@ -1,7 +1,8 @@
 //! A level as the bytes of a file: counts, then tables whose records stand in [`planes`](super::planes).
 //!
 //! ```text
-//! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with reflectances; bit 3: these with highlights
+//! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with
+//!                          reflectances
 //!      4  bricks      u32
 //!      8  voxels      u32
 //!     12  surfels     u32
@@ -26,10 +27,10 @@
 //!                     record after the other, since neighbours face alike; u8
 //!
 //! reflectances
-//!         largest     2 × f32 a voxel
+//!         largest     f32 a voxel
 //!         nodes       15 bytes, as in memory: 128 a voxel
-//!         facings     5 bytes, as in memory: 24 a voxel
-//!         tables      8256 bytes a voxel, as in memory; twice that with highlights
+//!         facings     5 bytes, as in memory: 56 a voxel
+//!         tables      8256 bytes a voxel, as in memory
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory
@@ -43,7 +44,7 @@ use crate::compact::{Compact, CompactSurfels, CompactVoxel};
 use crate::octree::Content;
 use crate::packed::Packed;
 use crate::palette::Palette;
-use crate::reflectance::{FACINGS, NODES, Parts, Reflectances, table_bytes};
+use crate::reflectance::{FACINGS, NODES, PAIRS, Parts, Reflectances};
 use crate::sample::Sample;
 use crate::scatterer::{Cloud, Scatterer};
 use crate::surfel::{Surfel, Surfels};
@@ -59,10 +60,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     };
     let [directions, colors] = palettes;
     let reflectances = level.reflectances();
-    let form = compact
-        | usize::from(level.cloud().is_there()) << 1
-        | usize::from(reflectances.is_there()) << 2
-        | usize::from(reflectances.are_glossy()) << 3;
+    let form =
+        compact | usize::from(level.cloud().is_there()) << 1 | usize::from(reflectances.is_there()) << 2;
     let (scatterers, maps, side) = level.cloud().tables();
     let counts = [form, bricks.len(), level.len(), surfels, level.openness().len(), directions, colors];
     let mut out = Vec::new();
@@ -107,7 +106,7 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     let mut planes = Planes(bytes);
     let counts = planes.counts().ok_or(SHORT)?;
     let [form, bricks, voxels, surfels, openness, directions, colors, scatterers, side] = counts;
-    if form > 15 || form & 12 == 8 {
+    if form > 7 {
         return Err("is of a form that there is not");
     }
     let codes = planes.read(bricks).ok_or(SHORT)?.map(u32::from_le_bytes);
@@ -143,12 +142,11 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
         let largest = planes.read(voxels).ok_or(SHORT)?;
         let nodes = planes.read(NODES.checked_mul(voxels).ok_or(SHORT)?).ok_or(SHORT)?;
         let facings = planes.read(FACINGS.checked_mul(voxels).ok_or(SHORT)?).ok_or(SHORT)?;
-        let glossy = form & 8 != 0;
-        let size = voxels.checked_mul(table_bytes(glossy)).ok_or(SHORT)?;
+        let size = voxels.checked_mul(PAIRS).ok_or(SHORT)?;
         let (tables, rest) = planes.0.split_at_checked(size).ok_or(SHORT)?;
         planes.0 = rest;
         let parts = Parts { largest, nodes, facings, tables: tables.to_vec() };
-        let reflectances = Reflectances::from_parts(glossy, parts);
+        let reflectances = Reflectances::from_parts(parts);
         level.set_reflectances(reflectances.ok_or("has a reflectance that is no number")?);
     }
     if form & 2 != 0 {

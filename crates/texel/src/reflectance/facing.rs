@@ -2,20 +2,21 @@
 //!
 //! Between nodes a cosine is rounded off where it begins, and the cosine of a bent surface is another one. Both can be told of
 //! what faces alike, if nothing hides it: by its normal. So a table is corrected by how much all facings together
-//! reflect to how much they would by way of the nodes.
+//! reflect to how much they would by way of the nodes. Highlights are theirs alone: nodes are too far apart.
 
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 use pelage_geom::Vec3x4;
 use wide::f32x4;
 
-use super::byte;
+use super::Bend;
 use super::nodes::{FIT, NODES};
+use super::table::{byte, signed};
 
-/// Facings of a voxel.
-pub(crate) const FACINGS: usize = 24;
+/// Facings of a voxel: nine of each side of a cube, and two that are not there, as they are taken by fours.
+pub(crate) const FACINGS: usize = 56;
 
 /// Bytes of a facing.
-pub(crate) const FACING_BYTES: usize = 5;
+pub(super) const FACING_BYTES: usize = 5;
 
 /// Of the surface of a voxel, all that faces alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,11 +30,15 @@ pub(super) struct Facing {
 }
 
 impl Facing {
-    /// Which one a normal belongs to: by the signs of its coordinates, and which of them is the largest.
+    /// Which one a normal belongs to: by the side of the cube that it goes through, and each third of 90° there.
     pub(super) fn number(normal: Vec3) -> usize {
+        const TAN_15: f32 = 0.267_949;
         let axis = normal.abs().max_position();
-        let [x, y, z] = normal.to_array().map(|x| usize::from(x < 0.0));
-        8 * axis + x + 2 * y + 4 * z
+        let third = |other: usize| {
+            let tangent = normal[(axis + other) % 3] / normal[axis];
+            usize::from(tangent > -TAN_15) + usize::from(tangent > TAN_15)
+        };
+        9 * (2 * axis + usize::from(normal[axis] < 0.0)) + 3 * third(1) + third(2)
     }
 
     /// All, from the sums of the weighed normals and of the weights of each.
@@ -56,13 +61,9 @@ impl Facing {
         Self { normal: [x, y, z].map(|x| x as i8), weight, spread }
     }
 
-    fn normal(&self) -> Vec3 {
-        super::signed(self.normal).normalize_or_zero()
-    }
-
     /// The mean cosine of its normals to a unit vector, those that face away counted as 0; about.
     fn cosine(&self, d: Vec3) -> f32 {
-        let (x, spread) = (self.normal().dot(d), byte(self.spread));
+        let (x, spread) = (signed(self.normal).normalize_or_zero().dot(d), byte(self.spread));
         0.5 * (x + (x * x + spread * spread).sqrt())
     }
 }
@@ -79,7 +80,11 @@ pub(super) struct Facings {
 const MOST: f32 = 1.3;
 
 impl Facings {
-    pub(super) fn new(all: [Facing; FACINGS]) -> Self {
+    /// `alike` says whether what is seen of the voxel from anywhere faces alike: else nothing asks what the nodes say.
+    pub(super) fn new(all: [Facing; FACINGS], alike: bool) -> Self {
+        if !alike {
+            return Self { all, nodes: Vec::new() };
+        }
         let mut nodes = vec![[0; FACINGS]; NODES];
         for (i, facing) in all.iter().enumerate().filter(|(_, facing)| facing.weight > 0) {
             for (node, cosine) in nodes.iter_mut().zip(FIT.of(|d| facing.cosine(d))) {
@@ -97,37 +102,21 @@ impl Facings {
         size_of_val(self) + size_of_val(&self.nodes[..])
     }
 
-    /// Of surface that faces alike: by how much more is reflected from the direction `light` to `eye` (unit vectors of texel space; with the nodes around
-    /// each) than the nodes say, where `inverse` maps steps of the scene to steps of the texel, and the light's unit
-    /// vector to one `length` long.
-    ///
-    /// The cosine of a normal n that is carried along is (n·l) `length` / |n `inverse`|.
+    /// Of surface that faces alike: by how much more is reflected from the light to the eye, unit vectors of texel space
+    /// with the nodes around each, than the nodes say.
     #[inline]
     pub(super) fn correction(
         &self,
         [(eye, eye_nodes), (light, light_nodes)]: [(Vec3, &[(usize, f32); 4]); 2],
-        inverse: &Mat3,
-        length: f32,
+        bend: &Bend,
     ) -> f32 {
-        let carried = inverse.transpose();
+        let carried = bend.inverse.transpose();
         let (eye, light) = (Vec3x4::splat(eye), Vec3x4::splat(light));
         let [mut exact, mut said, mut seen, mut said_seen] = [f32x4::ZERO; 4];
-        for (four, facings) in self.all.as_chunks::<4>().0.iter().enumerate() {
-            let lane = |of: &dyn Fn(&Facing) -> f32| {
-                let [a, b, c, d] = facings;
-                f32x4::new([of(a), of(b), of(c), of(d)])
-            };
-            let weight = lane(&|facing| facing.weight.into());
+        for (four, FacingsX4 { normal, weight, spread }) in self.by_fours().enumerate() {
             if weight == f32x4::ZERO {
                 continue;
             }
-            let normal = Vec3x4 {
-                x: lane(&|facing| facing.normal[0].into()),
-                y: lane(&|facing| facing.normal[1].into()),
-                z: lane(&|facing| facing.normal[2].into()),
-            };
-            let normal = normal.normalize_or_zero();
-            let spread = lane(&|facing| byte(facing.spread));
             let cosine = |d: Vec3x4| {
                 let x = normal.dot(d);
                 f32x4::splat(0.5) * (x + (x * x + spread * spread).sqrt())
@@ -148,25 +137,74 @@ impl Facings {
         }
         // Of what is seen: that too is told by the nodes.
         let said = said.reduce_add() * seen.reduce_add();
-        let exact = length * exact.reduce_add() * said_seen.reduce_add();
+        let exact = bend.length * exact.reduce_add() * said_seen.reduce_add();
         if said > 0.0 { (exact / said).min(MOST_CORRECTION) } else { 1.0 }
+    }
+
+    /// Of what is seen and lit: by how much the cosine to the light is another one because of how the voxel is bent, and the
+    /// mean of that times (n·h)^m.
+    #[inline]
+    pub(super) fn bent(&self, eye: Vec3, light: Vec3, bend: &Bend) -> [f32; 2] {
+        let (carried, eye, light) = (bend.inverse.transpose(), Vec3x4::splat(eye), Vec3x4::splat(light));
+        let [mut whole, mut cosine, mut highlights] = [f32x4::ZERO; 3];
+        for FacingsX4 { normal, weight, spread } in self.by_fours() {
+            let both = weight * normal.dot(eye).max(f32x4::ZERO) * normal.dot(light).max(f32x4::ZERO);
+            if both == f32x4::ZERO {
+                continue;
+            }
+            let normal = normal.carried(&carried);
+            let length = normal.length().max(f32x4::splat(f32::MIN_POSITIVE));
+            whole += both;
+            cosine += both / length;
+            if let Some((half, exponent)) = bend.highlight {
+                let along = (normal.dot(Vec3x4::splat(half)) / length).max(f32x4::ZERO).to_array();
+                let (both, spread) = (both.to_array(), spread.to_array());
+                let one =
+                    |i: usize| if both[i] > 0.0 { highlight(along[i], exponent, spread[i]) } else { 0.0 };
+                highlights += f32x4::new(both) / length * f32x4::new([one(0), one(1), one(2), one(3)]);
+            }
+        }
+        let whole = whole.reduce_add();
+        if whole > 0.0 {
+            [cosine, highlights].map(|sum| bend.length * sum.reduce_add() / whole)
+        } else {
+            [1.0, 0.0]
+        }
+    }
+
+    fn by_fours(&self) -> impl Iterator<Item = FacingsX4> + '_ {
+        self.all.as_chunks::<4>().0.iter().map(FacingsX4::new)
     }
 }
 
-impl Facings {
-    /// By how much the cosine to the light, of what is seen and lit, is another one because of how the voxel is bent.
+/// Four facings side by side.
+struct FacingsX4 {
+    normal: Vec3x4,
+    weight: f32x4,
+    spread: f32x4,
+}
+
+impl FacingsX4 {
     #[inline]
-    pub(super) fn bent(&self, eye: Vec3, light: Vec3, inverse: &Mat3, length: f32) -> f32 {
-        let (mut carried, mut whole) = (0.0, 0.0);
-        for facing in self.all.iter().filter(|facing| facing.weight > 0) {
-            let normal = facing.normal();
-            let both = f32::from(facing.weight) * normal.dot(eye).max(0.0) * normal.dot(light).max(0.0);
-            let stretched = (inverse.transpose() * normal).length();
-            carried += both / stretched.max(f32::MIN_POSITIVE);
-            whole += both;
+    fn new([a, b, c, d]: &[Facing; 4]) -> Self {
+        let lane = |of: fn(&Facing) -> f32| f32x4::new([of(a), of(b), of(c), of(d)]);
+        let (x, y) = (lane(|facing| facing.normal[0].into()), lane(|facing| facing.normal[1].into()));
+        let normal = Vec3x4 { x, y, z: lane(|facing| facing.normal[2].into()) }.normalize_or_zero();
+        Self {
+            normal,
+            weight: lane(|facing| facing.weight.into()),
+            spread: lane(|facing| byte(facing.spread)),
         }
-        if whole > 0.0 { length * carried / whole } else { 1.0 }
     }
+}
+
+/// The mean of (n·h)^`exponent` over normals that lie as far as `spread` (a sine) about one for which n·h is `along`.
+///
+/// Both the highlight and the normals are taken for bells: of the angle θ, cos^m θ is about e^(−mθ²/2), and over the sphere it
+/// comes to 2π / (m + 1).
+fn highlight(along: f32, exponent: f32, spread: f32) -> f32 {
+    let wider = exponent / (1.0 + 0.5 * exponent * spread * spread);
+    (wider + 1.0) / (exponent + 1.0) * along.powf(wider)
 }
 
 /// Where nodes say next to nothing, what they say is mostly rounding.

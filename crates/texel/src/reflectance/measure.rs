@@ -4,9 +4,10 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
+use super::brightness;
 use super::facing::{FACINGS, Facing};
 use super::nodes::{FIT, NODES, node};
-use super::{Node, PAIRS, brightness, pair};
+use super::table::{Node, PAIRS, pair};
 use crate::packed::bytes;
 use crate::surfel::{Surfel, axes, place};
 
@@ -22,12 +23,9 @@ pub(crate) struct Point {
 pub(crate) struct Measured {
     pub(super) nodes: [Node; NODES],
     pub(super) facings: [Facing; FACINGS],
-    pub(super) largest: [f32; 2],
-    pub(super) tables: Vec<u8>,
+    pub(super) largest: f32,
+    pub(super) table: Vec<u8>,
 }
-
-/// About so many points are asked for their highlight, which takes longer than all else.
-const HIGHLIGHTS: usize = 800;
 
 /// A fit rings by less than this far from where a point is seen: it is left out.
 const NOTHING: f32 = 2e-3;
@@ -44,13 +42,13 @@ struct Sums {
 }
 
 impl Measured {
-    /// Of points, and the exponent of their highlight if they have one.
-    pub(crate) fn new(points: &[Point], exponent: Option<f32>) -> Self {
+    /// Of points.
+    pub(crate) fn new(points: &[Point]) -> Self {
         let mut sums = [Sums::default(); NODES];
         let mut facings = [(Vec3::ZERO, 0.0); FACINGS];
-        let mut tables = vec![vec![0.0_f32; PAIRS]; if exponent.is_some() { 2 } else { 1 }];
-        let (pairs, step) = (&*PAIR, points.len() / HIGHLIGHTS + 1);
-        for (i, Point { surfel, weight }) in points.iter().enumerate() {
+        let mut table = vec![0.0_f32; PAIRS];
+        let near_pairs = &*NEAR;
+        for Point { surfel, weight } in points {
             let (normal, color) = (surfel.normal(), surfel.color());
             let around = surfel.open_around();
             let axes = axes(normal);
@@ -64,17 +62,12 @@ impl Measured {
             });
             seen.iter_mut().chain(&mut near).filter(|x| x.abs() < NOTHING).for_each(|x| *x = 0.0);
             let bright = weight * brightness(color);
-            let highlight = exponent.filter(|_| i % step == 0).map(|m| (m, weight * step as f32));
             let reached: Vec<usize> = (0..NODES).filter(|&a| seen[a] != 0.0 || near[a] != 0.0).collect();
             for (i, &a) in reached.iter().enumerate() {
                 for &b in &reached[..=i] {
                     let entry = pair(a, b);
-                    let both = seen_and_lit([seen[a], seen[b]], [near[a], near[b]], &pairs[entry]);
-                    tables[0][entry] += bright * both;
-                    if let (Some((exponent, weight)), Some(table)) = (highlight, tables.get_mut(1)) {
-                        let peak = normal.dot(pairs[entry].half).max(0.0).powf(exponent);
-                        table[entry] += weight * both * peak;
-                    }
+                    let both = seen_and_lit([seen[a], seen[b]], [near[a], near[b]], near_pairs[entry]);
+                    table[entry] += bright * both;
                 }
             }
             let sky = surfel.sky();
@@ -98,21 +91,15 @@ impl Measured {
         let most = sums.iter().fold(f32::MIN_POSITIVE, |most, sums| most.max(sums.seen));
         let nodes = sums.map(|sums| Node::new(&sums, most));
         let roots = nodes.map(|node| node.root() * most.sqrt());
-        let mut largest = [0.0; 2];
-        let mut packed = Vec::with_capacity(PAIRS * tables.len());
-        for (table, largest) in tables.iter_mut().zip(&mut largest) {
-            for a in 0..NODES {
-                for b in 0..=a {
-                    let entry = &mut table[pair(a, b)];
-                    let both = roots[a] * roots[b];
-                    *entry = if both > 0.0 { entry.max(0.0) / both } else { 0.0 };
-                    *largest = f32::max(*largest, *entry);
-                }
+        for a in 0..NODES {
+            for b in 0..=a {
+                let (entry, both) = (&mut table[pair(a, b)], roots[a] * roots[b]);
+                *entry = if both > 0.0 { entry.max(0.0) / both } else { 0.0 };
             }
-            let whole = largest.max(f32::MIN_POSITIVE);
-            packed.extend(table.iter().map(|entry| (255.0 * (entry / whole).sqrt()).round() as u8));
         }
-        Self { nodes, facings: Facing::all(&facings), largest, tables: packed }
+        let largest = table.iter().fold(f32::MIN_POSITIVE, |largest, entry| largest.max(*entry));
+        let root = |entry: &f32| (255.0 * (entry / largest).sqrt()).round() as u8;
+        Self { nodes, facings: Facing::all(&facings), largest, table: table.iter().map(root).collect() }
     }
 }
 
@@ -125,27 +112,20 @@ impl Measured {
 ///
 /// [`Reflectance`]: super::Reflectance
 #[inline]
-fn seen_and_lit(seen: [f32; 2], near: [f32; 2], pair: &Pair) -> f32 {
+fn seen_and_lit(seen: [f32; 2], near: [f32; 2], nearness: f32) -> f32 {
     let apart = seen[0] * seen[1];
     let beside = 0.5 * (seen[0] * near[1] + near[0] * seen[1]);
-    apart + pair.near * (beside - apart)
+    apart + nearness * (beside - apart)
 }
 
-/// What is known of a pair of nodes.
-struct Pair {
-    /// Half-way between them.
-    half: Vec3,
-    /// How much they are so near to each other that one mask's cell may hold both, 0 to 1.
-    near: f32,
-}
-
-static PAIR: LazyLock<Vec<Pair>> = LazyLock::new(|| {
-    let pair = |a: Vec3, b: Vec3| {
+/// How much the nodes of each pair are so near to each other that one mask's cell may hold both, 0 to 1.
+static NEAR: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let near = |a: Vec3, b: Vec3| {
         // A cell is some .25 wide, and what is interpolated spreads by a node or two.
         let x = (1.5 - (a - b).length() / 0.5).clamp(0.0, 1.0);
-        Pair { half: (a + b).normalize_or_zero(), near: x * x * (3.0 - 2.0 * x) }
+        x * x * (3.0 - 2.0 * x)
     };
-    (0..NODES).flat_map(|a| (0..=a).map(move |b| pair(node(a), node(b)))).collect()
+    (0..NODES).flat_map(|a| (0..=a).map(move |b| near(node(a), node(b)))).collect()
 });
 
 impl Node {

@@ -146,15 +146,11 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    fn direction(random: &mut Random) -> Vec3 {
-        Vec3::new(random.signed(), random.signed(), random.signed()).normalize_or(Vec3::X)
-    }
-
     #[test]
     fn the_map_of_directions_returns() {
         let random = &mut Random::new(3, 0);
         for _ in 0..1000 {
-            let d = direction(random);
+            let d = random.direction();
             assert!((from_square(on_square(d), d.z.signum()) - d).length() < 1e-5);
         }
         for i in 0..NODES {
@@ -177,16 +173,11 @@ mod tests {
     fn a_cosine_is_hardly_off_and_right_on_the_mean() {
         let random = &mut Random::new(5, 0);
         for _ in 0..20 {
-            let n = direction(random);
+            let n = random.direction();
             let fitted = FIT.of(|d| n.dot(d).max(0.0));
             let mut sums = [0.0_f64; 3];
             for _ in 0..20_000 {
-                let d = loop {
-                    let d = Vec3::new(random.signed(), random.signed(), random.signed());
-                    if (0.01..1.0).contains(&d.length_squared()) {
-                        break d.normalize();
-                    }
-                };
+                let d = random.direction();
                 let exact = n.dot(d).max(0.0);
                 let found: f32 = around(d).iter().map(|(node, weight)| weight * fitted[*node]).sum();
                 sums[0] += f64::from(exact);

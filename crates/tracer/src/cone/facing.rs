@@ -3,7 +3,7 @@
 
 use glam::{Mat3, Vec3};
 use pelage_geom::Vec3x4;
-use pelage_texel::{Level, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
+use pelage_texel::{Bend, Level, Samples, Scatterers, Surfel, SurfelsX4, Voxel};
 use wide::f32x4;
 
 use super::gloss::Gloss;
@@ -172,7 +172,8 @@ impl Facing {
         let inverse = self.cofactor.transpose();
         for light in &mut self.lights {
             let length = (inverse * light.incoming.direction).length();
-            let lit = reflectance.lit(light.towards, &inverse, length);
+            let bend = Bend { inverse, length, highlight: self.gloss.exponent().map(|m| (light.half, m)) };
+            let lit = reflectance.lit(light.towards, &bend);
             light.reflected += alone(self.gloss.reflected_mean(tint * lit.diffuse, lit.gloss));
         }
     }

@@ -31,6 +31,11 @@ impl Gloss {
         Self { height: specular * norm, exponent }
     }
 
+    /// The exponent of the highlight, if there is one.
+    pub fn exponent(self) -> Option<f32> {
+        (self.height > 0.0).then_some(self.exponent)
+    }
+
     /// What unit illuminance from `to_light` becomes: diffuse and specular of one normal, times the cosine to the light.
     /// `half` is half-way between the directions to the light and to the eye; all of unit length.
     #[inline]
