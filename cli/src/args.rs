@@ -98,7 +98,7 @@ pub struct RenderArgs {
     #[arg(long, value_parser = choice::<Quality>, help_heading = "Picture")]
     quality: Option<Quality>,
 
-    /// Rays a pixel: 1, 4 or 16 [default: by the quality: 1, 4, 16]
+    /// Rays a pixel: 1, 4, 16, or adaptive: one where it says all, else 4 [default: by the quality: 1, adaptive, 16]
     #[arg(long, value_parser = choice::<Rays>, help_heading = "Picture")]
     rays: Option<Rays>,
 

@@ -93,7 +93,7 @@ pub struct ValidateArgs {
     #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = "Scene")]
     resolution: Option<u32>,
 
-    /// Rays a pixel: 1, 4 or 16
+    /// Rays a pixel: adaptive, 1, 4 or 16
     #[arg(long, value_parser = choice::<Rays>, help_heading = "Scene")]
     rays: Option<Rays>,
 
@@ -251,7 +251,13 @@ fn about(args: &ValidateArgs) -> String {
     for (flag, value) in [
         ("resolution", args.resolution.map(|n| n.to_string())),
         ("height", args.height.map(|h| h.to_string())),
-        ("rays", args.rays.map(|r| r.count().to_string())),
+        (
+            "rays",
+            args.rays.map(|r| match r {
+                Rays::Adaptive => "adaptive".to_string(),
+                r => r.count().to_string(),
+            }),
+        ),
         ("lod", args.lod.map(|l| format!("{l:?}"))),
     ] {
         if let Some(value) = value {

@@ -31,7 +31,7 @@ fn everything_is_told_at_once() {
         "s.toml:5:1: skin[0]: there is no field `heigth`: did you mean `height`?",
         "s.toml:6:12: skin[0].tint[1]: found \"red\": expected a number",
         "s.toml:8:1: skin[0].groom[0].tilt: the field `angle` is missing",
-        "s.toml:13:8: render.rays: `5`: expected 1, 4 or 16",
+        "s.toml:13:8: render.rays: `5`: expected adaptive, 1, 4 or 16",
         "s.toml:1:39: geometry[0].scale: must be positive and at most 1e12",
         "s.toml:10:9: skin[0].groom[1].scale: must be positive",
         "s.toml:1:53: geometry[1].file: refers to `gone.obj`, which cannot be read",

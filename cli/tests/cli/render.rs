@@ -117,7 +117,7 @@ fn scene_files_that_make_no_sense() {
             "[[skin]]\non = [\"Bdoy\"]\n",
             "s.toml:3:6: skin[0].on: there is no mesh or material `Bdoy`: did you mean `Body`?",
         ),
-        ("[render]\nrays = 5\n", "s.toml:3:8: render.rays: `5`: expected 1, 4 or 16"),
+        ("[render]\nrays = 5\n", "s.toml:3:8: render.rays: `5`: expected adaptive, 1, 4 or 16"),
         ("[render]\ncrop = [4, 4, 0, 8]\n", "s.toml:3:8: render.crop: must be x0, x1, y0, y1"),
         ("[camera]\nnamed = \"Main\"\n", "s.toml:3:9: camera.named: there is no camera `Main`"),
         (

@@ -71,7 +71,7 @@ words!(Up, "y or z", "y" => Up::Y, "z" => Up::Z);
 words!(Fit, "cube, floor or keep", "cube" => Fit::Cube, "floor" => Fit::Floor, "keep" => Fit::Keep);
 words!(Quality, "draft, normal or high",
     "draft" => Quality::Draft, "normal" => Quality::Normal, "high" => Quality::High);
-words!(Rays, "1, 4 or 16", "1" => Rays::One, "4" => Rays::Four, "16" => Rays::Sixteen);
+words!(Rays, "adaptive, 1, 4 or 16", "adaptive" => Rays::Adaptive, "1" => Rays::One, "4" => Rays::Four, "16" => Rays::Sixteen);
 words!(Path, "curved or straight", "curved" => Path::Curved, "straight" => Path::Straight);
 words!(Opacity, "exponential or linear", "exponential" => Opacity::Exponential, "linear" => Opacity::Linear);
 words!(Tone, "filmic or none", "filmic" => Tone::Filmic, "none" => Tone::None);

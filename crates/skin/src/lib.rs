@@ -30,6 +30,7 @@
 //! points, to the last bit, seen from either side.
 #![warn(missing_docs)]
 
+mod border;
 mod cage;
 mod charts;
 mod conformal;

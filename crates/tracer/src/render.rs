@@ -4,9 +4,12 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use glam::{Mat3, Vec2, Vec3};
+use pelage_geom::Cone;
 use rayon::prelude::*;
 
 use crate::cone::composite::View;
+use crate::cone::edges::ONLY;
+use crate::cone::march::Beam;
 use crate::cone::shade::Shader;
 use crate::{Camera, Counts, Film, Pixel, Rays, Rect, Scene, Settings};
 
@@ -181,10 +184,7 @@ fn pixel(
     shader: &mut Shader,
 ) -> Pixel {
     let background = see(scene, camera, settings, [x, y], view);
-    // One ray meets a voxel twice only where it comes back to it.
-    if settings.rays != Rays::One {
-        view.merge();
-    }
+    view.merge();
 
     let mut color = shader.surfaces(scene, settings, &view.surfaces);
     let alpha = (1.0 - background).clamp(0.0, 1.0);
@@ -207,6 +207,18 @@ pub(crate) fn see(
 ) -> f32 {
     view.clear();
     let corner = Vec2::new(x as f32, y as f32);
+    if settings.rays == Rays::Adaptive {
+        let (ray, pixel) = camera.cone(corner + 0.5, settings.size);
+        let cone = Cone { width: pixel.width, spread: ONLY * pixel.spread };
+        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| {
+            let name = [x + right, y + down];
+            (name, camera.cone(Vec2::new(name[0] as f32, name[1] as f32), settings.size).0)
+        });
+        let beam = Beam { ray: &ray, cone: &cone, settings };
+        if let Some(background) = view.trace_alone(scene, beam, corners, &pixel) {
+            return background;
+        }
+    }
     let offsets = offsets(settings.rays);
     let share = 1.0 / offsets.len() as f32;
     let mut background = 0.0;
@@ -233,7 +245,7 @@ fn offsets(rays: Rays) -> &'static [[f32; 2]] {
     };
     match rays {
         Rays::One => &[[0.5, 0.5]],
-        Rays::Four => &FOUR,
+        Rays::Adaptive | Rays::Four => &FOUR,
         Rays::Sixteen => &SIXTEEN,
     }
 }

@@ -167,6 +167,8 @@ pub struct Scene {
     first_box: Vec<u32>,
     /// The bent boxes of all coats, ready to be asked: preparing one costs more than a ray through it.
     hexahedra: Vec<Hexahedron>,
+    /// Of each box, whether it stands where its skin ends.
+    at_border: Vec<bool>,
     pub(crate) boxes: Accel,
     pub(crate) surfaces: Surfaces,
     pub(crate) materials: Vec<Material>,
@@ -206,12 +208,14 @@ impl Scene {
         let mut first_box = vec![0_u32];
         let mut box_bounds = vec![];
         let mut hexahedra = vec![];
+        let mut at_border = vec![];
         let mut reach = 0.0_f32;
         for (coat, c) in coats.iter().enumerate() {
             c.texels.fault().map_or(Ok(()), |reason| Err(SceneError::Variety { coat, reason }))?;
             let patches = || c.skin.patches.par_iter().enumerate();
             let fault = patches().find_map_first(|(patch, p)| Some((patch, check_patch(&c.skin, p).err()?)));
             fault.map_or(Ok(()), |(patch, reason)| Err(SceneError::Patch { coat, patch, reason }))?;
+            at_border.extend(c.skin.at_border());
             hexahedra.par_extend(patches().map(|(patch, _)| c.skin.hexahedron(patch)));
             box_bounds.par_extend(patches().map(|(patch, _)| c.skin.bounds(patch)));
             for (base, top) in c.skin.base.iter().zip(&c.skin.top) {
@@ -233,6 +237,7 @@ impl Scene {
             coats,
             first_box,
             hexahedra,
+            at_border,
             materials,
             textures,
             lights,
@@ -303,6 +308,12 @@ impl Scene {
     #[inline]
     pub(crate) fn hexahedron(&self, patch: u32) -> &Hexahedron {
         &self.hexahedra[patch as usize]
+    }
+
+    /// Whether a box has an open wall beside it.
+    #[inline]
+    pub(crate) fn is_at_border(&self, patch: u32) -> bool {
+        self.at_border[patch as usize]
     }
 
     /// The material of an opaque surface.

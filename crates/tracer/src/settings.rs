@@ -42,21 +42,24 @@ pub enum Opacity {
 /// Rays a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Rays {
+    /// One cone where it says all: in coats whose voxels are as wide as it and hold many strands, and where there is
+    /// nothing; four rays at edges, on opaque surfaces, and where single strands show (the default).
+    #[default]
+    Adaptive,
     /// One, through the centre.
     One,
-    /// 2 × 2, on a rotated grid (the default).
-    #[default]
+    /// 2 × 2, on a rotated grid.
     Four,
     /// 4 × 4.
     Sixteen,
 }
 
 impl Rays {
-    /// How many.
+    /// How many, at most.
     pub fn count(self) -> usize {
         match self {
             Self::One => 1,
-            Self::Four => 4,
+            Self::Adaptive | Self::Four => 4,
             Self::Sixteen => 16,
         }
     }
@@ -68,7 +71,7 @@ impl Rays {
 pub enum Quality {
     /// To place lights and cameras: one ray a pixel, four of its voxels lit.
     Draft,
-    /// To look at (the default): four rays, eight voxels.
+    /// To look at (the default): one cone or four rays, eight voxels.
     #[default]
     Normal,
     /// To keep: sixteen rays, sixteen voxels.
@@ -108,7 +111,7 @@ impl Settings {
     pub fn of(quality: Quality) -> Self {
         let (rays, lit_voxels) = match quality {
             Quality::Draft => (Rays::One, 4),
-            Quality::Normal => (Rays::Four, 8),
+            Quality::Normal => (Rays::Adaptive, 8),
             Quality::High => (Rays::Sixteen, 16),
         };
         Self {

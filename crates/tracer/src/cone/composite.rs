@@ -7,6 +7,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use glam::Vec3;
 use pelage_geom::{Cone, Ray};
 
+use super::edges::{Corners, Glance, are_mixed};
 use super::march::{Beam, march};
 use super::passages::{self, BoxPassage};
 use super::path::Chord;
@@ -49,6 +50,9 @@ pub(crate) struct SeenSurface {
 pub(crate) struct View {
     pub voxels: Vec<SeenVoxel>,
     pub surfaces: Vec<SeenSurface>,
+    /// How many rays it has been seen by.
+    rays: u32,
+    corners: Corners,
     passages: Vec<BoxPassage>,
     trail: Trail,
     /// Pieces not yet composited, in order of distance: of boxes that the ray is in at the same time.
@@ -65,6 +69,7 @@ impl View {
     pub fn clear(&mut self) {
         self.voxels.clear();
         self.surfaces.clear();
+        self.rays = 0;
     }
 
     /// What was done since this was asked last.
@@ -74,13 +79,53 @@ impl View {
 
     /// Follows one ray of a pixel, of which it is the part `share`. Returns what gets through to the background.
     pub fn trace(&mut self, scene: &Scene, settings: &Settings, ray: &Ray, cone: &Cone, share: f32) -> f32 {
+        let surface = self.find(scene, ray);
+        self.follow(scene, Beam { ray, cone, settings }, surface, share)
+    }
+
+    /// Follows the only ray of a pixel, if one is enough. Returns what gets through to the background then. `corners` has
+    /// the names of the pixel's corners and the rays through them, `pixel` is its cone's own width.
+    pub fn trace_alone(
+        &mut self,
+        scene: &Scene,
+        beam: Beam,
+        corners: [([u32; 2], Ray); 4],
+        pixel: &Cone,
+    ) -> Option<f32> {
+        let Beam { ray, cone, settings } = beam;
+        let surface = self.find(scene, ray);
+        let middle = Glance::new(scene, surface, &self.passages);
+        if !(middle.is_backed() && are_mixed(scene, settings, ray, cone, &self.passages)) {
+            return None;
+        }
+        let passages = std::mem::take(&mut self.passages);
+        let without_edge = corners.iter().all(|(corner, ray)| {
+            let there = self.corners.known(*corner).unwrap_or_else(|| {
+                let surface = self.find(scene, ray);
+                let glance = Glance::new(scene, surface, &self.passages);
+                self.corners.keep(*corner, glance);
+                glance
+            });
+            middle.continues(&there, pixel.spread)
+        });
+        self.passages = passages;
+        without_edge.then(|| self.follow(scene, beam, surface, 1.0))
+    }
+
+    /// Finds the surface that ends a ray, if one does, and the boxes before it.
+    fn find(&mut self, scene: &Scene, ray: &Ray) -> Option<SurfaceHit> {
         let surface = scene.surfaces.closest(ray, f64::INFINITY);
         let end = surface.map_or(f64::INFINITY, |hit| hit.t);
-        let beam = Beam { ray, cone, settings };
+        passages::collect(scene, ray, 0.0, end, &mut self.passages);
+        surface
+    }
+
+    /// Follows a ray through the boxes that were found, up to the surface.
+    fn follow(&mut self, scene: &Scene, beam: Beam, surface: Option<SurfaceHit>, share: f32) -> f32 {
+        let Beam { ray, cone, settings } = beam;
+        self.rays += 1;
         let Self { voxels, surfaces, passages, trail, pending, .. } = self;
         trail.counts.rays += 1;
-
-        passages::collect(scene, ray, 0.0, end, passages);
         trail.clear();
         pending.clear();
         let mut sight =
@@ -125,6 +170,10 @@ impl View {
 
     /// Makes one of the pieces of each voxel, whichever rays they came from.
     pub fn merge(&mut self) {
+        // One ray meets a voxel twice only where it comes back to it.
+        if self.rays == 1 {
+            return;
+        }
         self.places.clear();
         let mut kept = 0;
         for i in 0..self.voxels.len() {

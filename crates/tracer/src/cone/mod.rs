@@ -14,6 +14,7 @@
 mod below;
 pub(crate) mod composite;
 mod deep_shadow;
+pub(crate) mod edges;
 mod facing;
 pub(crate) mod gloss;
 mod light_lines;
