@@ -44,8 +44,9 @@ pub(crate) fn demorton(code: u32) -> [u32; 3] {
     [gather(code), gather(code >> 1), gather(code >> 2)]
 }
 
-/// 512 cells.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// 512 cells, in 76 bytes: without padding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, packed(4))]
 pub(crate) struct Brick {
     /// Occupancy, a word a 4³ block.
     pub(crate) words: [u64; 8],
@@ -68,7 +69,8 @@ impl Brick {
 
     /// How many of its cells are occupied.
     fn len(&self) -> u32 {
-        self.words.iter().map(|word| word.count_ones()).sum()
+        let words = self.words;
+        words.iter().map(|word| word.count_ones()).sum()
     }
 
     /// How many voxels stand before a word, below 8.

@@ -72,9 +72,21 @@ impl Facing {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Facings {
     all: [Facing; FACINGS],
-    /// The cosines of each at the nodes, roots of parts of [`MOST`]; of a node all beside each other.
-    nodes: Vec<[u8; FACINGS]>,
+    /// Of the fours of which anything is seen: what faces alike is in a few.
+    said: Vec<Said>,
 }
+
+/// What the nodes say of four facings.
+#[derive(Clone, Debug, PartialEq)]
+struct Said {
+    /// Which four.
+    four: u8,
+    /// Their cosines at each node, roots of parts of [`MOST`].
+    nodes: [[u8; 4]; NODES],
+}
+
+/// Where none of four weighs more than this, in 1/255 of the voxel's most, what the nodes say of them is left out.
+const NOTHING: u8 = 3;
 
 /// The largest value at a node that comes nearest to a cosine.
 const MOST: f32 = 1.3;
@@ -82,16 +94,19 @@ const MOST: f32 = 1.3;
 impl Facings {
     /// `alike` says whether what is seen of the voxel from anywhere faces alike: else nothing asks what the nodes say.
     pub(super) fn new(all: [Facing; FACINGS], alike: bool) -> Self {
-        if !alike {
-            return Self { all, nodes: Vec::new() };
-        }
-        let mut nodes = vec![[0; FACINGS]; NODES];
-        for (i, facing) in all.iter().enumerate().filter(|(_, facing)| facing.weight > 0) {
-            for (node, cosine) in nodes.iter_mut().zip(FIT.of(|d| facing.cosine(d))) {
-                node[i] = (255.0 * (cosine.clamp(0.0, MOST) / MOST).sqrt()).round() as u8;
+        let said = |four: usize, facings: &[Facing; 4]| {
+            let mut nodes = [[0; 4]; NODES];
+            for (i, facing) in facings.iter().enumerate().filter(|(_, facing)| facing.weight > 0) {
+                for (node, cosine) in nodes.iter_mut().zip(FIT.of(|d| facing.cosine(d))) {
+                    node[i] = (255.0 * (cosine.clamp(0.0, MOST) / MOST).sqrt()).round() as u8;
+                }
             }
-        }
-        Self { all, nodes }
+            Said { four: four as u8, nodes }
+        };
+        let fours = all.as_chunks::<4>().0.iter().enumerate();
+        let seen = fours.filter(|(_, four)| alike && four.iter().any(|facing| facing.weight > NOTHING));
+        let said = seen.map(|(four, facings)| said(four, facings)).collect();
+        Self { all, said }
     }
 
     pub(super) fn all(&self) -> &[Facing; FACINGS] {
@@ -99,7 +114,7 @@ impl Facings {
     }
 
     pub(super) fn memory(&self) -> usize {
-        size_of_val(self) + size_of_val(&self.nodes[..])
+        size_of_val(self) + size_of_val(&self.said[..])
     }
 
     /// Of surface that faces alike: by how much more is reflected from the light to the eye, unit vectors of texel space
@@ -113,18 +128,16 @@ impl Facings {
         let carried = bend.inverse.transpose();
         let (eye, light) = (Vec3x4::splat(eye), Vec3x4::splat(light));
         let [mut exact, mut said, mut seen, mut said_seen] = [f32x4::ZERO; 4];
-        for (four, FacingsX4 { normal, weight, spread }) in self.by_fours().enumerate() {
-            if weight == f32x4::ZERO {
-                continue;
-            }
+        let (fours, _) = self.all.as_chunks::<4>();
+        for Said { four, nodes: at } in &self.said {
+            let FacingsX4 { normal, weight, spread } = FacingsX4::new(&fours[usize::from(*four)]);
             let cosine = |d: Vec3x4| {
                 let x = normal.dot(d);
                 f32x4::splat(0.5) * (x + (x * x + spread * spread).sqrt())
             };
             let at_nodes = |nodes: &[(usize, f32); 4]| {
                 nodes.iter().fold(f32x4::ZERO, |sum, (node, weight)| {
-                    let of = |i: usize| byte(self.nodes[*node][4 * four + i]);
-                    let root = f32x4::new([of(0), of(1), of(2), of(3)]);
+                    let root = f32x4::new(at[*node].map(byte));
                     sum + root * root * f32x4::splat(MOST * weight)
                 })
             };
