@@ -44,12 +44,19 @@ impl Block {
         let p = cross(d, ac);
         // Without area, the inverse is infinite and what follows is NaN, which is within no bounds.
         let inverse = f32x4::ONE / dot(ab, p);
-        let s = [0, 1, 2].map(|i| from[i] - self.corner[i]);
+        // Written out: `map` is a call of its own for each triangle.
+        let [x, y, z] = self.corner;
+        let s = [from[0] - x, from[1] - y, from[2] - z];
         let q = cross(s, ab);
         let [u, v] = [dot(s, p) * inverse, dot(d, q) * inverse];
         let inside = u.simd_ge(f32x4::ZERO) & v.simd_ge(f32x4::ZERO) & (u + v).simd_le(f32x4::ONE);
         inside.select(dot(ac, q) * inverse, f32x4::splat(f32::INFINITY))
     }
+}
+
+#[inline]
+fn splat(v: Vec3) -> [f32x4; 3] {
+    [f32x4::splat(v.x), f32x4::splat(v.y), f32x4::splat(v.z)]
 }
 
 #[inline]
@@ -107,7 +114,7 @@ impl Surroundings {
         let scale = size as f32;
         let log = size.trailing_zeros();
         let [near, far] = range;
-        let along = d.to_array().map(f32x4::splat);
+        let along = splat(d);
         let mut first = far;
         let line = Line::new(from * scale, far * d * scale);
         for step in Walk::new(&self.bricks, self.periodic, &line, [0.0, 1.0]) {
@@ -116,7 +123,7 @@ impl Surroundings {
             }
             // Of periodic content, the cell's copy inside the tile holds the list.
             let copy: IVec3 = step.cell >> log;
-            let origin = (from - copy.as_vec3()).to_array().map(f32x4::splat);
+            let origin = splat(from - copy.as_vec3());
             let own = own.filter(|_| copy == IVec3::ZERO).unwrap_or(u32::MAX);
             let cell = step.voxel as usize;
             for block in &self.blocks[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
