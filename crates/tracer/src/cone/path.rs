@@ -115,6 +115,10 @@ impl LocalRay {
             return;
         };
         let count = chords_needed(bow, tolerance);
+        if count == 1 {
+            out.push(chord(&first, &last));
+            return;
+        }
         let pieces = self.pieces_needed(&first, &last, count, tolerance);
         let (mut from, mut done) = (first, 0);
         for i in 1..=pieces {
