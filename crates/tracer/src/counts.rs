@@ -5,7 +5,7 @@ use std::ops::AddAssign;
 /// How often each step of the cone tracer was taken, over all rays and light cones of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Rays from the camera.
+    /// Rays from the camera that were followed; glances at the corners of pixels are not counted.
     pub rays: u64,
     /// Cones towards lights and towards the sky, through the coats.
     pub light_cones: u64,

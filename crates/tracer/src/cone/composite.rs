@@ -54,6 +54,8 @@ pub(crate) struct View {
     rays: u32,
     corners: Corners,
     passages: Vec<BoxPassage>,
+    /// Of a ray beside.
+    beside: Vec<BoxPassage>,
     trail: Trail,
     /// Pieces not yet composited, in order of distance: of boxes that the ray is in at the same time.
     pending: Vec<Piece>,
@@ -79,7 +81,7 @@ impl View {
 
     /// Follows one ray of a pixel, of which it is the part `share`. Returns what gets through to the background.
     pub fn trace(&mut self, scene: &Scene, settings: &Settings, ray: &Ray, cone: &Cone, share: f32) -> f32 {
-        let surface = self.find(scene, ray);
+        let surface = find(scene, ray, &mut self.passages);
         self.follow(scene, Beam { ray, cone, settings }, surface, share)
     }
 
@@ -93,31 +95,20 @@ impl View {
         pixel: &Cone,
     ) -> Option<f32> {
         let Beam { ray, cone, settings } = beam;
-        let surface = self.find(scene, ray);
+        let surface = find(scene, ray, &mut self.passages);
         let middle = Glance::new(scene, surface, &self.passages);
         if !(middle.is_backed() && are_mixed(scene, settings, ray, cone, &self.passages)) {
             return None;
         }
-        let passages = std::mem::take(&mut self.passages);
+        let Self { corners: known, beside, .. } = self;
         let without_edge = corners.iter().all(|(corner, ray)| {
-            let there = self.corners.known(*corner).unwrap_or_else(|| {
-                let surface = self.find(scene, ray);
-                let glance = Glance::new(scene, surface, &self.passages);
-                self.corners.keep(*corner, glance);
-                glance
+            let there = known.at(*corner).unwrap_or_else(|| {
+                let surface = find(scene, ray, beside);
+                known.keep(*corner, Glance::new(scene, surface, beside))
             });
             middle.continues(&there, pixel.spread)
         });
-        self.passages = passages;
         without_edge.then(|| self.follow(scene, beam, surface, 1.0))
-    }
-
-    /// Finds the surface that ends a ray, if one does, and the boxes before it.
-    fn find(&mut self, scene: &Scene, ray: &Ray) -> Option<SurfaceHit> {
-        let surface = scene.surfaces.closest(ray, f64::INFINITY);
-        let end = surface.map_or(f64::INFINITY, |hit| hit.t);
-        passages::collect(scene, ray, 0.0, end, &mut self.passages);
-        surface
     }
 
     /// Follows a ray through the boxes that were found, up to the surface.
@@ -254,6 +245,14 @@ impl View {
         }
         std::mem::swap(voxels, chosen);
     }
+}
+
+/// Finds the surface that ends a ray, if one does, and the boxes before it.
+fn find(scene: &Scene, ray: &Ray, passages: &mut Vec<BoxPassage>) -> Option<SurfaceHit> {
+    let surface = scene.surfaces.closest(ray, f64::INFINITY);
+    let end = surface.map_or(f64::INFINITY, |hit| hit.t);
+    passages::collect(scene, ray, 0.0, end, passages);
+    surface
 }
 
 /// A place in a list below the bits of a distance, which is not negative: numbers that sort as the distances do.

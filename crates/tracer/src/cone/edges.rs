@@ -63,7 +63,8 @@ impl Glance {
         Self { surface: surface.map(place), coat, at_border }
     }
 
-    /// Whether a surface is behind all there is, or nothing is there at all: an outline is seen against something else.
+    /// Whether a surface is behind the coat, or there is neither: elsewhere alpha is what gets through a coat, and of that one
+    /// ray in a few voxels says too little.
     pub fn is_backed(&self) -> bool {
         self.surface.is_some() == self.coat.is_some()
     }
@@ -127,17 +128,19 @@ impl Default for Corners {
 }
 
 impl Corners {
+    /// Where a corner is kept.
     fn slot([x, y]: [u32; 2]) -> usize {
         (y % SIDE * SIDE + x % SIDE) as usize
     }
 
-    /// What there is at the corner above and to the left of a pixel, if it was looked at.
-    pub(super) fn known(&self, corner: [u32; 2]) -> Option<Glance> {
+    /// What there is at the corner above and to the left of a pixel, if it was looked at lately.
+    pub(super) fn at(&self, corner: [u32; 2]) -> Option<Glance> {
         self.slots[Self::slot(corner)].filter(|(at, _)| *at == corner).map(|(_, glance)| glance)
     }
 
     /// Keeps what there is at a corner.
-    pub(super) fn keep(&mut self, corner: [u32; 2], glance: Glance) {
+    pub(super) fn keep(&mut self, corner: [u32; 2], glance: Glance) -> Glance {
         self.slots[Self::slot(corner)] = Some((corner, glance));
+        glance
     }
 }
