@@ -5,6 +5,7 @@ use pelage_geom::{Attribute, Face, MaterialId, Mesh};
 use rayon::prelude::*;
 
 use crate::Report;
+use crate::border::Side;
 
 /// A triangle or quad of the surface to be covered.
 #[derive(Clone, Copy, Debug)]
@@ -206,22 +207,11 @@ fn canonical(vertices: [u32; 4]) -> [u32; 4] {
 
 /// Counts the edges with one face, with more than two, and with two that run the same way.
 pub(crate) fn count_edges(polygons: &[Polygon], report: &mut Report) {
-    // An edge is its smaller and its larger vertex and whether it is run backwards, packed so as to sort.
-    let mut edges: Vec<(u64, bool)> = polygons
-        .par_iter()
-        .flat_map_iter(|polygon| {
-            let corners = polygon.corners();
-            (0..corners.len()).map(move |i| {
-                let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-                (u64::from(a.min(b)) << 32 | u64::from(a.max(b)), a > b)
-            })
-        })
-        .collect();
-    edges.par_sort_unstable();
-    for faces in edges.chunk_by(|a, b| a.0 == b.0) {
+    let outline = |i: usize| (polygons[i].vertices, polygons[i].corners().len());
+    for faces in Side::by_edge(&Side::all(polygons.len(), outline)) {
         match faces {
             [_] => report.open_edges += 1,
-            [a, b] => report.misoriented_edges += usize::from(a.1 == b.1),
+            [a, b] => report.misoriented_edges += usize::from(a.backwards == b.backwards),
             _ => report.non_manifold_edges += 1,
         }
     }

@@ -29,6 +29,7 @@ impl Random {
     pub(crate) fn signed(&mut self) -> f32 {
         2.0 * self.unit() - 1.0
     }
+
     /// Uniform among unit vectors.
     #[cfg(test)]
     pub(crate) fn direction(&mut self) -> glam::Vec3 {

@@ -210,12 +210,10 @@ pub(crate) fn see(
     if settings.rays == Rays::Adaptive {
         let (ray, pixel) = camera.cone(corner + 0.5, settings.size);
         let cone = Cone { width: pixel.width, spread: ONLY * pixel.spread };
-        let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| {
-            let name = [x + right, y + down];
-            (name, camera.cone(Vec2::new(name[0] as f32, name[1] as f32), settings.size).0)
-        });
+        let corners = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+        let through = |[x, y]: [u32; 2]| camera.cone(Vec2::new(x as f32, y as f32), settings.size).0;
         let beam = Beam { ray: &ray, cone: &cone, settings };
-        if let Some(background) = view.trace_alone(scene, beam, corners, &pixel) {
+        if let Some(background) = view.trace_alone(scene, beam, corners, through, &pixel) {
             return background;
         }
     }

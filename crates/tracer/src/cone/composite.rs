@@ -85,13 +85,14 @@ impl View {
         self.follow(scene, Beam { ray, cone, settings }, surface, share)
     }
 
-    /// Follows the only ray of a pixel, if one is enough. Returns what gets through to the background then. `corners` has
-    /// the names of the pixel's corners and the rays through them, `pixel` is its cone's own width.
+    /// Follows the only ray of a pixel, if one is enough. Returns what gets through to the background then. `through` gives
+    /// the ray through a corner of the picture's pixels, `pixel` is the cone of this one.
     pub fn trace_alone(
         &mut self,
         scene: &Scene,
         beam: Beam,
-        corners: [([u32; 2], Ray); 4],
+        corners: [[u32; 2]; 4],
+        through: impl Fn([u32; 2]) -> Ray,
         pixel: &Cone,
     ) -> Option<f32> {
         let Beam { ray, cone, settings } = beam;
@@ -101,10 +102,10 @@ impl View {
             return None;
         }
         let Self { corners: known, beside, .. } = self;
-        let without_edge = corners.iter().all(|(corner, ray)| {
-            let there = known.at(*corner).unwrap_or_else(|| {
-                let surface = find(scene, ray, beside);
-                known.keep(*corner, Glance::new(scene, surface, beside))
+        let without_edge = corners.into_iter().all(|corner| {
+            let there = known.at(corner).unwrap_or_else(|| {
+                let surface = find(scene, &through(corner), beside);
+                known.keep(corner, Glance::new(scene, surface, beside))
             });
             middle.continues(&there, pixel.spread)
         });
