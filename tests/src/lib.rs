@@ -6,10 +6,11 @@ pub mod stage;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use pelage::build;
 use pelage::geom::glam::{Vec2, Vec3};
 use pelage::geom::{Face, Material, MaterialId, Mesh};
 use pelage::skin::{Anchor, Lattice, Patch, Skin};
-use pelage::texel::{BuildOptions, Geometry, Texel, build};
+use pelage::texel::{BuildOptions, Geometry, Texel};
 use pelage::tracer::{Camera, Coat, Description, Environment, Film, Scene, Settings, render};
 
 /// A skin of one box, between four corners below and four above (in the order A B C D, E F G H), filled by one

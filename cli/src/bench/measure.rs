@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use cpu_time::ProcessTime;
-use pelage::Error;
 use pelage::compile::{Loaded, Prepared};
 use pelage::output::replace;
 use pelage::scene_file::{SceneFile, TexelEntry};
+use pelage::texel::BuildOptions;
 use pelage::texel::file::FileOptions;
-use pelage::texel::{BuildOptions, build};
 use pelage::texel_file::{read_texel, write_texel};
 use pelage::tracer::{Counts, render_counted};
+use pelage::{Error, build};
 use rayon::ThreadPool;
 
 use super::moving::frames;

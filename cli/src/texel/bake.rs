@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use pelage::Field;
 use pelage::bake::{ContentOptions, Fit, content, read};
 use pelage::import::{Up, Warning};
+use pelage::texel::BuildOptions;
 use pelage::texel::file::{FileOptions, Metadata};
-use pelage::texel::{BuildOptions, build};
 use pelage::texel_file::{check_texel, write_texel};
+use pelage::{Field, build};
 
 use crate::args::{choice, positive};
 use crate::failure::Failure;

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pelage::Field;
 use pelage::scene_file::TexelEntry;
 use pelage::texel::file::{FileOptions, Metadata};
-use pelage::texel::{BuildOptions, Procedure, build};
+use pelage::texel::{BuildOptions, Procedure};
 use pelage::texel_file::{check_texel, write_texel};
+use pelage::{Field, build};
 
 use crate::failure::Failure;
 use crate::interrupt;

@@ -59,6 +59,7 @@
 #![warn(missing_docs)]
 
 pub mod bake;
+mod build;
 pub mod check;
 pub mod choices;
 pub mod compile;
@@ -80,6 +81,7 @@ pub use pelage_skin as skin;
 pub use pelage_texel as texel;
 pub use pelage_tracer as tracer;
 
+pub use build::build;
 pub use error::{Blame, Error, Field, FieldError, Span};
 
 /// The names that a program which renders from memory needs.
@@ -89,8 +91,9 @@ pub mod prelude {
     pub use pelage_geom::glam::{Vec2, Vec3};
     pub use pelage_geom::{Face, Material, MaterialId, Mesh, Texture, TextureId};
     pub use pelage_skin::{SkinOptions, extrude, surface};
-    pub use pelage_texel::{BuildOptions, Fur, Geometry, Grass, Leaves, Procedure, build};
+    pub use pelage_texel::{BuildOptions, Fur, Geometry, Grass, Leaves, Procedure};
     pub use pelage_tracer::{Camera, Coat, Description, Environment, Film, Light, Scene, Settings, render};
 
+    pub use crate::build;
     pub use crate::staging::{self, View};
 }

@@ -12,6 +12,7 @@
 //! Sources are cited by the keys of `REFERENCES.md`.
 #![warn(missing_docs)]
 
+mod balance;
 mod bricks;
 mod build;
 mod calibrate;
@@ -49,6 +50,7 @@ mod traverse;
 mod voxel;
 mod voxelise;
 
+pub use balance::{Balance, Shown};
 pub use build::{BuildOptions, build, build_exact};
 pub use density::Density;
 pub use error::{BuildError, TexelError};

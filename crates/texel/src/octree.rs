@@ -11,7 +11,7 @@ use crate::packed::Packed;
 use crate::reflectance::{Reflectance, Reflectances};
 use crate::scatterer::{Cloud, Scatterers};
 use crate::surfel::Surfels;
-use crate::{BuildError, Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
+use crate::{Balance, BuildError, Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
 
 /// One level: `2^l` voxels a side, of which only the occupied ones are stored.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub struct Level {
     cloud: Cloud,
     /// How much of the upper hemisphere each voxel sees, 1/255; nothing where an ancestor says it.
     openness: Vec<u8>,
+    /// By how much more light its voxels send than they say, where that is known.
+    balance: Option<Balance>,
     periodic: bool,
 }
 
@@ -48,6 +50,7 @@ impl Level {
             reflectances: Reflectances::default(),
             cloud: Cloud::default(),
             openness,
+            balance: None,
             periodic,
         }
     }
@@ -176,6 +179,12 @@ impl Level {
         Walk::new(&self.bricks, false, line, range)
     }
 
+    /// By how much more light the voxels send to the eye than they say; nothing where the texel has not been balanced.
+    #[inline]
+    pub fn balance(&self) -> Option<&Balance> {
+        self.balance.as_ref()
+    }
+
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let content = match &self.content {
@@ -187,6 +196,7 @@ impl Level {
             + self.reflectances.memory()
             + self.cloud.memory()
             + self.openness.len()
+            + self.balance.as_ref().map_or(0, size_of_val)
     }
 
     /// Keeps it in little room, if it is fine enough that nobody sees the difference.
@@ -225,6 +235,10 @@ impl Level {
 
     pub(crate) fn set_cloud(&mut self, cloud: Cloud) {
         self.cloud = cloud;
+    }
+
+    pub(crate) fn set_balance(&mut self, balance: Option<Balance>) {
+        self.balance = balance;
     }
 
     pub(crate) fn set_openness(&mut self, openness: Vec<u8>) {
@@ -341,6 +355,13 @@ impl Texel {
             level.openness.get(voxel as usize)
         });
         open.map_or(1.0, |&open| f32::from(open) * (1.0 / 255.0))
+    }
+
+    /// The same texel, its levels balanced by what is given for each, coarsest first; where there is none, as they are.
+    pub fn balanced(mut self, balances: impl IntoIterator<Item = Option<Balance>>) -> Self {
+        let mut balances = balances.into_iter();
+        self.levels.iter_mut().for_each(|level| level.set_balance(balances.next().flatten()));
+        self
     }
 
     /// The same texel, its fine levels in a third of the room: what is rounded away shows in no picture.

@@ -7,6 +7,7 @@
 
 mod accel;
 mod aov;
+mod balance;
 mod camera;
 mod cone;
 mod counts;
@@ -21,6 +22,7 @@ mod surface;
 mod variety;
 
 pub use aov::{Aovs, render_aovs};
+pub use balance::balance;
 pub use camera::Camera;
 pub use counts::Counts;
 pub use film::{Film, Pixel, Rect};

@@ -36,7 +36,7 @@ struct Form {
 const FORMS: [Form; 3] = [
     Form {
         name: "flat",
-        what: "a plane of 6 × 6 cubes",
+        what: "a plane of 24 × 24 cubes",
         mesh: "flat.obj",
         skin: "height = 0.2",
         view: "azimuth = 30, elevation = 28",
@@ -51,7 +51,7 @@ const FORMS: [Form; 3] = [
     Form {
         name: "bent",
         what: "a plane of 6 × 6 boxes, combed to 40° and twisted",
-        mesh: "flat.obj",
+        mesh: "base.obj",
         skin: "cage = \"bent.obj\"",
         view: "azimuth = 30, elevation = 28",
     },
@@ -60,9 +60,11 @@ const FORMS: [Form; 3] = [
 /// Writes meshes and scenes.
 pub fn write(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
-    let flat = surface::plane(1.2, 6, 6);
-    fs::write(folder.join("bent.obj"), obj(&combed(&flat)))?;
-    fs::write(folder.join("flat.obj"), obj(&flat))?;
+    // Large enough that what is judged is a coat, not its border: at 4 pixels a box the middle fills the picture.
+    fs::write(folder.join("flat.obj"), obj(&surface::plane(4.8, 24, 24)))?;
+    let base = surface::plane(1.2, 6, 6);
+    fs::write(folder.join("base.obj"), obj(&base))?;
+    fs::write(folder.join("bent.obj"), obj(&combed(&base)))?;
     fs::write(folder.join("torus.obj"), obj(&surface::torus(1.0, 0.5, 48, 24)))?;
     for Form { name, what, mesh, skin, view } in FORMS {
         let grown = if name == "flat" { GROWN } else { &[] };

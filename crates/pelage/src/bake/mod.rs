@@ -3,7 +3,8 @@
 //! ```no_run
 //! use std::path::Path;
 //! use pelage::bake::{ContentOptions, content, read};
-//! use pelage::texel::{BuildOptions, build};
+//! use pelage::build;
+//! use pelage::texel::BuildOptions;
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let file = Path::new("leaf.glb");
 //! let content = content(file, &read(file)?, &ContentOptions { resolution: 64, ..ContentOptions::default() }, &|_| {})?;

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use pelage_texel::{BuildError, BuildOptions, Kind, Procedure, Texel, build};
+use pelage_texel::{BuildError, BuildOptions, Kind, Procedure, Texel};
 
 use super::{Loaded, Note, resolve};
+use crate::build::build;
 use crate::choices::Method;
 use crate::error::Error;
 use crate::scene_file::{SceneFile, TexelEntry};

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! byte  0  magic          89 "TEXEL" 0D 0A
-//!       8  version        u32   2
+//!       8  version        u32   4
 //!      12  header length  u32   32 + 32 n: this and the directory of n parts
 //!      16  file length    u64
 //!      24  checksum       u32   CRC-32 of bytes 0 to 24 and of the directory
@@ -25,7 +25,7 @@ use std::io::Read;
 use super::{FileError, Limits};
 
 const MAGIC: [u8; 8] = *b"\x89TEXEL\r\n";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Bytes before the directory, and of each of its entries.
 const FIXED: usize = 32;
 const ENTRY: usize = 32;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with
-//!                          reflectances
+//!                          reflectances; bit 3: balanced
 //!      4  bricks      u32
 //!      8  voxels      u32
 //!     12  surfels     u32
@@ -28,9 +28,11 @@
 //!
 //! reflectances
 //!         largest     f32 a voxel
-//!         nodes       15 bytes, as in memory: 128 a voxel
+//!         nodes       16 bytes, as in memory: 125 a voxel
 //!         facings     5 bytes, as in memory: 56 a voxel
-//!         tables      8256 bytes a voxel, as in memory
+//!         tables      7875 bytes a voxel, as in memory
+//!
+//! balanced            13 × f32
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory
@@ -38,7 +40,7 @@
 //! ```
 
 use super::planes::{Planes, write};
-use crate::Level;
+use crate::balance::TERMS;
 use crate::bricks::Bricks;
 use crate::compact::{Compact, CompactSurfels, CompactVoxel};
 use crate::octree::Content;
@@ -48,6 +50,7 @@ use crate::reflectance::{FACINGS, NODES, PAIRS, Parts, Reflectances};
 use crate::sample::Sample;
 use crate::scatterer::{Cloud, Scatterer};
 use crate::surfel::{Surfel, Surfels};
+use crate::{Balance, Level};
 
 /// The bytes of a level.
 pub(super) fn encode(level: &Level) -> Vec<u8> {
@@ -60,8 +63,10 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     };
     let [directions, colors] = palettes;
     let reflectances = level.reflectances();
-    let form =
-        compact | usize::from(level.cloud().is_there()) << 1 | usize::from(reflectances.is_there()) << 2;
+    let form = compact
+        | usize::from(level.cloud().is_there()) << 1
+        | usize::from(reflectances.is_there()) << 2
+        | usize::from(level.balance().is_some()) << 3;
     let (scatterers, maps, side) = level.cloud().tables();
     let counts = [form, bricks.len(), level.len(), surfels, level.openness().len(), directions, colors];
     let mut out = Vec::new();
@@ -94,6 +99,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     write(&mut out, parts.nodes);
     write(&mut out, parts.facings);
     out.extend(parts.tables);
+    let balance = level.balance().into_iter().flat_map(Balance::coefficients);
+    out.extend(balance.flat_map(|coefficient| coefficient.to_le_bytes()));
     write(&mut out, level.cloud().counts().map(u32::to_le_bytes));
     write(&mut out, scatterers.iter().map(|scatterer| scatterer.0.to_bytes()));
     out.extend(maps);
@@ -106,7 +113,7 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     let mut planes = Planes(bytes);
     let counts = planes.counts().ok_or(SHORT)?;
     let [form, bricks, voxels, surfels, openness, directions, colors, scatterers, side] = counts;
-    if form > 7 {
+    if form > 15 {
         return Err("is of a form that there is not");
     }
     let codes = planes.read(bricks).ok_or(SHORT)?.map(u32::from_le_bytes);
@@ -148,6 +155,14 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
         let parts = Parts { largest, nodes, facings, tables: tables.to_vec() };
         let reflectances = Reflectances::from_parts(parts);
         level.set_reflectances(reflectances.ok_or("has a reflectance that is no number")?);
+    }
+    if form & 8 != 0 {
+        let mut coefficients = [0.0; TERMS];
+        for (coefficient, bytes) in coefficients.iter_mut().zip(planes.read_rows(TERMS).ok_or(SHORT)?) {
+            *coefficient = f32::from_le_bytes(bytes);
+        }
+        let balance = Balance::from_coefficients(coefficients);
+        level.set_balance(Some(balance.ok_or("has a balance that is no number")?));
     }
     if form & 2 != 0 {
         let counts = planes.read(voxels).ok_or(SHORT)?.map(u32::from_le_bytes);

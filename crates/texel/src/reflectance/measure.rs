@@ -27,6 +27,10 @@ pub(crate) struct Measured {
     pub(super) table: Vec<u8>,
 }
 
+/// What is seen and lit from two nodes is at most the mean of what is from either, a geometric one; a little more where it is what
+/// lies beside that counts.
+const MOST_ALIKE: f32 = 1.5;
+
 /// A fit rings by less than this far from where a point is seen: it is left out.
 const NOTHING: f32 = 2e-3;
 
@@ -34,7 +38,9 @@ const NOTHING: f32 = 2e-3;
 #[derive(Clone, Copy, Default)]
 struct Sums {
     seen: f32,
-    /// The same without what the fit takes from a node for another's sake.
+    /// What is both seen and lit from there, as brightness.
+    lit: f32,
+    /// What is seen without what the fit takes from a node for another's sake.
     weight: f32,
     color: Vec3,
     normal: Vec3,
@@ -74,6 +80,7 @@ impl Measured {
             let mut visible = 0.0;
             for (sums, seen) in sums.iter_mut().zip(seen) {
                 sums.seen += weight * seen;
+                sums.lit += bright * seen * seen;
                 let weight = weight * seen.max(0.0);
                 visible += weight;
                 sums.weight += weight;
@@ -89,17 +96,19 @@ impl Measured {
             *weight += visible;
         }
         let most = sums.iter().fold(f32::MIN_POSITIVE, |most, sums| most.max(sums.seen));
-        let nodes = sums.map(|sums| Node::new(&sums, most));
-        let roots = nodes.map(|node| node.root() * most.sqrt());
+        let most_lit = sums.iter().fold(f32::MIN_POSITIVE, |most, sums| most.max(sums.lit));
+        let nodes = sums.map(|sums| Node::new(&sums, most, most_lit));
+        let scales = nodes.map(|node| node.scale() * most_lit.sqrt());
         for a in 0..NODES {
             for b in 0..=a {
-                let (entry, both) = (&mut table[pair(a, b)], roots[a] * roots[b]);
-                *entry = if both > 0.0 { entry.max(0.0) / both } else { 0.0 };
+                let (entry, both) = (&mut table[pair(a, b)], scales[a] * scales[b]);
+                *entry = if both > 0.0 { (entry.max(0.0) / both).min(MOST_ALIKE) } else { 0.0 };
             }
         }
         let largest = table.iter().fold(f32::MIN_POSITIVE, |largest, entry| largest.max(*entry));
         let root = |entry: &f32| (255.0 * (entry / largest).sqrt()).round() as u8;
-        Self { nodes, facings: Facing::all(&facings), largest, table: table.iter().map(root).collect() }
+        let table = table.iter().map(root).collect();
+        Self { nodes, facings: Facing::all(&facings), largest: largest * most_lit / most, table }
     }
 }
 
@@ -129,16 +138,17 @@ static NEAR: LazyLock<Vec<f32>> = LazyLock::new(|| {
 });
 
 impl Node {
-    fn new(sums: &Sums, most: f32) -> Self {
-        let Sums { seen, weight, color, normal, sky } = *sums;
-        if seen <= 0.0 || weight <= 0.0 {
+    fn new(sums: &Sums, most: f32, most_lit: f32) -> Self {
+        let Sums { seen, lit, weight, color, normal, sky } = *sums;
+        if weight <= 0.0 {
             return Self::default();
         }
         let part = 1.0 / weight;
         let byte = |part: f32| (255.0 * part).round() as u8;
         let signed = |v: Vec3| v.to_array().map(|x| (127.0 * x).round() as i8);
         Self {
-            root: byte((seen / most).sqrt()),
+            root: byte((seen / most).max(0.0).sqrt()),
+            scale: byte((lit / most_lit).sqrt().sqrt()),
             color: bytes((color * part).clamp(Vec3::ZERO, Vec3::ONE).map(f32::sqrt)),
             normal: signed(normal * part),
             sky: sky.map(|(open, sum)| (byte(open * part), signed(sum * part))),

@@ -89,8 +89,8 @@ impl Reflectance<'_> {
         let (mut color, mut whole) = (Vec3::ZERO, 0.0);
         for (node, weight) in &mut around {
             let node = &self.nodes[*node];
-            *weight *= node.root();
-            let part = *weight * node.root();
+            let part = *weight * node.root().powi(2);
+            *weight *= node.scale();
             color += part * node.color();
             whole += part;
         }
@@ -165,9 +165,12 @@ mod tests {
                 assert!((shown.color - 1.0).length() < 1e-6 && (shown.normal - normal).length() < 0.01);
                 let lit = shown.lit(light, &straight(eye, light, 20.0));
                 let cosine = normal.dot(light).max(0.0);
-                assert!((lit.diffuse.x - cosine).abs() < 0.04, "{normal} {eye} {light} {lit:?} {cosine}");
+                // Below the horizon there are fewer nodes.
+                let most = if eye.z.min(light.z) < 0.0 { 0.07 } else { 0.03 };
+                assert!((lit.diffuse.x - cosine).abs() < most, "{normal} {eye} {light} {lit:?} {cosine}");
                 let peak = normal.dot((eye + light).normalize()).max(0.0).powi(20);
-                assert!((lit.gloss - cosine * peak).abs() < 0.05, "{normal} {eye} {light} {lit:?} {peak}");
+                let off = lit.gloss - cosine * peak;
+                assert!(off.abs() < most + 0.01, "{normal} {eye} {light} {lit:?} {peak}");
             }
         }
     }
@@ -239,7 +242,8 @@ mod tests {
                 shines += part * n.dot(light).max(0.0) * n.dot(half).max(0.0).powi(25);
             }
             let found = all.of(0, eye).expect("it is seen").lit(light, &bend).gloss;
-            assert!((found / (shines / seen) - 1.0).abs() < 0.15, "{light}: {found} {}", shines / seen);
+            let truth = shines / seen;
+            assert!((found - truth).abs() < 0.15 * truth + 0.001, "{light}: {found} {truth}");
         }
     }
 

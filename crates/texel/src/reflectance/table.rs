@@ -18,11 +18,13 @@ pub(super) fn pair(a: usize, b: usize) -> usize {
     high * (high + 1) / 2 + low
 }
 
-/// What is known of a node: of what is seen from there, or lit. 15 bytes.
+/// What is known of a node: of what is seen from there, or lit. 16 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Node {
     /// The root of S, as a part of the voxel's largest.
     pub(super) root: u8,
+    /// The fourth root of D with itself, as a part of the voxel's largest: what entries are in parts of.
+    pub(super) scale: u8,
     /// Mean colour, square roots.
     pub(super) color: [u8; 3],
     /// Mean normal, of any length up to 1.
@@ -32,7 +34,7 @@ pub(super) struct Node {
     pub(super) sky: [(u8, [i8; 3]); 2],
 }
 
-const NODE_BYTES: usize = 15;
+const NODE_BYTES: usize = 16;
 
 /// The reflectances of a level's voxels.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,9 +43,10 @@ pub(crate) struct Reflectances {
     nodes: Vec<Node>,
     /// Of each voxel.
     facings: Vec<Facings>,
-    /// The largest entry of each voxel's table.
+    /// What the largest entry of each voxel's table stands for, over the largest S.
     largest: Vec<f32>,
-    /// Of each voxel D over the roots of S at both nodes, as a part of the largest, square roots: [`PAIRS`].
+    /// Of each voxel D of two nodes over the mean, a geometric one, of D of each with itself, as a part of the largest, square
+    /// roots: [`PAIRS`].
     tables: Vec<u8>,
 }
 
@@ -84,15 +87,15 @@ impl Reflectances {
         let nearest = around(eye);
         let (mut entries, mut whole) = (nearest, 0.0);
         for (node, weight) in &mut entries {
-            let root = nodes[*node].root();
-            *weight *= root;
-            whole += *weight * root;
+            whole += *weight * nodes[*node].root().powi(2);
+            *weight *= nodes[*node].scale();
         }
         if whole == 0.0 {
             return None;
         }
+        let share = 1.0 / whole;
         for (_, weight) in &mut entries {
-            *weight /= whole;
+            *weight *= share;
         }
         let mut shown = Reflectance {
             nodes,
@@ -106,9 +109,9 @@ impl Reflectances {
             normal: Vec3::ZERO,
             sky: Default::default(),
         };
-        for (node, weight) in entries {
+        for (node, weight) in nearest {
             let node = &nodes[node];
-            let part = weight * node.root();
+            let part = share * weight * node.root().powi(2);
             shown.color += part * node.color();
             shown.normal += part * signed(node.normal);
             for (sum, (open, directions)) in shown.sky.iter_mut().zip(node.sky) {
@@ -174,21 +177,27 @@ impl Node {
     }
 
     #[inline]
+    pub(super) fn scale(&self) -> f32 {
+        let root = byte(self.scale);
+        root * root
+    }
+
+    #[inline]
     pub(super) fn color(&self) -> Vec3 {
         let root = unit(self.color);
         root * root
     }
 
     fn to_bytes(self) -> [u8; NODE_BYTES] {
-        let Self { root, color: [r, g, b], normal: n, sky: [(above, up), (below, down)] } = self;
+        let Self { root, scale, color: [r, g, b], normal: n, sky: [(above, up), (below, down)] } = self;
         let [[nx, ny, nz], [ux, uy, uz], [dx, dy, dz]] = [n, up, down].map(|v| v.map(|x| x as u8));
-        [root, r, g, b, nx, ny, nz, above, ux, uy, uz, below, dx, dy, dz]
+        [root, scale, r, g, b, nx, ny, nz, above, ux, uy, uz, below, dx, dy, dz]
     }
 
     fn from_bytes(bytes: [u8; NODE_BYTES]) -> Self {
-        let [root, r, g, b, nx, ny, nz, above, ux, uy, uz, below, dx, dy, dz] = bytes;
+        let [root, scale, r, g, b, nx, ny, nz, above, ux, uy, uz, below, dx, dy, dz] = bytes;
         let [normal, up, down] = [[nx, ny, nz], [ux, uy, uz], [dx, dy, dz]].map(|v| v.map(|x| x as i8));
-        Self { root, color: [r, g, b], normal, sky: [(above, up), (below, down)] }
+        Self { root, scale, color: [r, g, b], normal, sky: [(above, up), (below, down)] }
     }
 }
 

@@ -38,6 +38,19 @@ impl Shader {
 
     /// The radiance of a voxel's visible matter towards the eye.
     pub fn voxel(&mut self, scene: &Scene, settings: &Settings, seen: &SeenVoxel) -> Vec3 {
+        let mut radiance = Vec3::ZERO;
+        let of_sky = self.light(scene, settings, seen, |_, of_light| radiance += of_light);
+        radiance + of_sky
+    }
+
+    /// The same, light by light: what it sends of the sky, and to `each` the number of a light and what it sends of that.
+    pub fn light(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        seen: &SeenVoxel,
+        mut each: impl FnMut(usize, Vec3),
+    ) -> Vec3 {
         let (coat, patch) = scene.patch(seen.key.patch);
         let (texel, tile) = coat.standing(patch, seen.key.copy());
         let level = texel.level(u32::from(seen.key.level));
@@ -84,13 +97,13 @@ impl Shader {
             facing.add_ellipsoid(&level.voxel(seen.voxel), settings.normals);
         }
 
-        let [mut radiance, from_below] = facing.sky();
+        let [mut of_sky, from_below] = facing.sky();
         if settings.shadows {
             // Of the sky, the masks say what is near, the openness there what is above beyond that, and a cone what is
             // below: as a rule, the surface that the coat stands on.
-            radiance *= texel.openness(seen.key.level.into(), seen.key.within().into());
+            of_sky *= texel.openness(seen.key.level.into(), seen.key.within().into());
             if from_below != Vec3::ZERO {
-                radiance += from_below * below.of(shadows, scene, settings, seen.key.patch);
+                of_sky += from_below * below.of(shadows, scene, settings, seen.key.patch);
             }
         }
         // What is near is in the masks, or in the maps.
@@ -103,6 +116,7 @@ impl Shader {
             (0.0, DENSITIES_APART * edge)
         };
         let width = f64::from(jacobian.determinant().abs().cbrt() * edge);
+        let balance = level.balance().filter(|_| settings.shadows);
         for light in &facing.lights {
             let Towards { index, incoming, .. } = light;
             let reflected = facing.reflected(light);
@@ -139,9 +153,11 @@ impl Shader {
                     shadows.of_light(scene, settings, &of)
                 };
             }
-            radiance += arriving * incoming.irradiance * reflected;
+            // What the level as a whole sends too little or too much of.
+            let balance = balance.map_or(1.0, |balance| balance.factor(facing.view, light.towards));
+            each(*index, balance * arriving * incoming.irradiance * reflected);
         }
-        radiance
+        of_sky
     }
 }
 

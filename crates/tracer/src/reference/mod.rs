@@ -21,10 +21,10 @@ mod shade;
 mod stream;
 mod world;
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::render::check;
@@ -238,6 +238,60 @@ fn no_lighting() -> ReferenceError {
     ReferenceError::Setting { field: "lightings".into(), reason: "there is none".into() }
 }
 
+/// Asks for single samples of pictures, and not for pictures.
+pub(crate) struct Judge<'a>(World<'a>);
+
+impl<'a> Judge<'a> {
+    /// For pictures of `size` pixels of a scene.
+    pub(crate) fn new(scene: &'a Scene, camera: &Camera, size: [u32; 2]) -> Result<Self, ReferenceError> {
+        let memory = ReferenceSettings::default().memory;
+        World::new(scene, Fineness::of_pixel(camera, size[1], FLATNESS), memory).map(Self)
+    }
+
+    /// A sample of each of `pixels`: how many of them see anything, and their radiance under each of `lightings`.
+    pub(crate) fn samples_under(
+        &self,
+        camera: &Camera,
+        size: [u32; 2],
+        pixels: &[[u32; 2]],
+        lightings: &[Lighting],
+    ) -> (usize, Vec<Vec<Vec3>>) {
+        let Buffers { mut stream, mut shader, mut queries } = Buffers::default();
+        let settings = ReferenceSettings { size, ..ReferenceSettings::default() };
+        ask(&mut queries, camera, &settings, pixels, 0..1);
+        // Told apart by their places, since one pixel may be asked for twice.
+        let places: Vec<[u32; 2]> = (0..pixels.len() as u32).map(|i| [i, 0]).collect();
+        let seen = look(&self.0, &mut stream, &mut queries, &places, 0..1);
+        let under = |lighting| {
+            let each = shader.light(&self.0, &mut stream, lighting, settings.seed, settings.shadows, &seen);
+            let mut radiance = vec![Vec3::ZERO; pixels.len()];
+            seen.iter().zip(each).for_each(|(seen, of_it)| radiance[seen.pixel[0] as usize] = of_it);
+            radiance
+        };
+        (seen.len(), lightings.iter().map(under).collect())
+    }
+}
+
+/// The rays through samples of pixels, sample by sample.
+fn ask(
+    queries: &mut Vec<Query>,
+    camera: &Camera,
+    settings: &ReferenceSettings,
+    pixels: &[[u32; 2]],
+    samples: Range<u32>,
+) {
+    queries.clear();
+    for sample in samples {
+        for &pixel in pixels {
+            let point = Points::new(pixel, settings.seed, Use::Pixel).get(sample);
+            let corner = Vec2::new(pixel[0] as f32, pixel[1] as f32);
+            let (ray, _) = camera.cone(corner + point, settings.size);
+            let flight = flight(pixel, settings.seed, Use::Pixel, sample);
+            queries.push(Query { ray, end: f64::INFINITY, flight, hit: None });
+        }
+    }
+}
+
 /// What a thread reuses from tile to tile.
 #[derive(Default)]
 struct Buffers {
@@ -270,16 +324,7 @@ fn render_tile(
         let samples = begin..settings.samples.min(begin.saturating_add(together));
         begin = samples.end;
         let Buffers { stream, shader, queries } = buffers;
-        queries.clear();
-        for sample in samples.clone() {
-            for &pixel in &pixels {
-                let point = Points::new(pixel, settings.seed, Use::Pixel).get(sample);
-                let corner = Vec2::new(pixel[0] as f32, pixel[1] as f32);
-                let (ray, _) = camera.cone(corner + point, settings.size);
-                let flight = flight(pixel, settings.seed, Use::Pixel, sample);
-                queries.push(Query { ray, end: f64::INFINITY, flight, hit: None });
-            }
-        }
+        ask(queries, camera, settings, &pixels, samples.clone());
         let seen: Vec<Seen> = look(world, stream, queries, &pixels, samples);
         for s in &seen {
             depths[in_tile(s.pixel)].push(s.depth(camera));
