@@ -4,10 +4,11 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use pelage::build;
 use pelage::geom::glam::{Vec2, Vec3};
 use pelage::geom::{Face, MaterialId, Mesh};
 use pelage::skin::Skin;
-use pelage::texel::{BuildOptions, Hypertexture, Texel, build};
+use pelage::texel::{BuildOptions, Hypertexture, Texel};
 use pelage::tracer::reference::{self, Expansion, Fineness, ReferenceError, ReferenceSettings};
 use pelage::tracer::{Camera, Settings};
 use pelage_tests::stage::{Shot, bent, coat, flat, judge, suns};

@@ -9,13 +9,13 @@
 use glam::Vec3;
 
 /// What the factor is a sum of.
-pub(crate) const TERMS: usize = APART.len() + NARROW;
+pub(crate) const TERMS: usize = APART.len() + 2 * NARROW;
 
 /// Angles between eye and light, as lengths between their unit vectors, at which the factor is known: closest where they are
 /// nearly one, since the gaps that both go through are narrow.
 const APART: [f32; 8] = [0.0, 0.05, 0.12, 0.25, 0.5, 0.9, 1.4, 2.0];
 
-/// Of these the first are read again, by the mean height of eye and light.
+/// Of these the first are read again: where eye and light are near each other, more is to be known.
 const NARROW: usize = 5;
 
 /// The factor lies between these.
@@ -105,24 +105,29 @@ const IS_NEAR: [bool; TERMS] = {
     while hat < NARROW {
         is_near[hat] = true;
         is_near[APART.len() + hat] = true;
+        is_near[APART.len() + NARROW + hat] = true;
         hat += 1;
     }
     is_near
 };
 
-/// A hat around each of [`APART`], and the narrow ones again, by the mean height.
+/// A hat around each of [`APART`]; the narrow ones again, by the mean height, and by how far the light is
+/// to the side of the eye, not above or below: what is open to the eye between upright strands is open to what is above it.
 #[inline]
 fn terms(eye: Vec3, light: Vec3) -> [f32; TERMS] {
     const HATS: usize = APART.len();
     let mut terms = [0.0; TERMS];
     let apart = (eye - light).length();
     let mean = 0.5 * (eye.z + light.z);
+    let flat = eye.truncate().length() * light.truncate().length();
+    let aside = eye.truncate().perp_dot(light.truncate()).powi(2) / (apart * apart * flat).max(1e-4);
     let last = APART.iter().rposition(|known| *known <= apart).unwrap_or(0).min(HATS - 2);
     let part = ((apart - APART[last]) / (APART[last + 1] - APART[last])).min(1.0);
     for (hat, value) in [(last, 1.0 - part), (last + 1, part)] {
         terms[hat] = value;
         if hat < NARROW {
             terms[HATS + hat] = value * (mean - 0.5);
+            terms[HATS + NARROW + hat] = value * (0.5 - aside.min(1.0));
         }
     }
     terms

@@ -32,7 +32,7 @@
 //!         facings     5 bytes, as in memory: 56 a voxel
 //!         tables      7875 bytes a voxel, as in memory
 //!
-//! balanced            13 × f32
+//! balanced            18 × f32
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory
