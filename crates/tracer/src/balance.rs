@@ -92,7 +92,7 @@ impl Look {
     }
 
     /// Beside the source, of which the first rays are the same: where those few happen to be bright, they are as bright here.
-    /// [Owen13, control variates]
+    /// [Owen13]
     fn beside(&self, source: &Look, sight: &Sight) -> [Shown; SUNS] {
         let few = &source.rays[..self.rays.len().min(source.rays.len())];
         // How much of the surface is covered is another matter.
