@@ -42,11 +42,12 @@ const ACROSS: u32 = 4;
 /// Rays that see the geometry, from each direction.
 const SAMPLES: usize = 1024;
 
-/// Balances a texel: every level that is known to be too dark or too bright, from some direction, in some light, sends by so much more or
+/// Balances a texel: a level that is too dark or too bright from some direction, in some light, sends by so much more or
 /// less of it.
 ///
-/// What cannot be judged stays as it is: a texel that has forgotten its source or that holds nothing, and one that stands
-/// alone, whose surroundings are anyone's guess. The result has the same bits for any number of threads. `progress` is
+/// What cannot be judged stays as it is: a texel that has forgotten its source, or that holds nothing, or more than the judge
+/// may take ([`ReferenceSettings::memory`](crate::reference::ReferenceSettings::memory)), and one that stands alone, whose
+/// surroundings are anyone's guess. The result has the same bits for any number of threads. `progress` is
 /// told the fraction done, from any thread.
 pub fn balance(texel: Texel, progress: &(dyn Fn(f32) + Sync)) -> Texel {
     let blank = texel.levels().first().is_none_or(|level| level.is_empty());
@@ -252,4 +253,27 @@ impl Sight {
 /// A unit vector of a height, any way around.
 fn upwards(height: f32, around: f32) -> Vec3 {
     (Vec2::from_angle(2.0 * PI * around) * (1.0 - height * height).max(0.0).sqrt()).extend(height)
+}
+
+#[cfg(test)]
+mod tests {
+    use pelage_texel::{BuildOptions, Grass, build};
+
+    use super::*;
+
+    #[test]
+    fn the_same_bits_on_any_number_of_threads_and_nothing_without_a_source() {
+        let grass = Grass { count: 6, ..Grass::lawn() };
+        let options = BuildOptions { depth: 3, ..BuildOptions::preview() };
+        let texel = build("grass", grass, &options, &|_| ()).expect("grass is sound");
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| balance(texel.clone(), &|_| ()))
+        };
+        let balanced = on(1);
+        assert!(balanced.levels().iter().all(|level| level.balance().is_some()));
+        assert!(balanced == on(3));
+        let unknown = texel.without_source();
+        assert!(balance(unknown.clone(), &|_| ()) == unknown);
+    }
 }
