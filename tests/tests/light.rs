@@ -42,17 +42,16 @@ fn compare(content: Content, tolerance: &Tolerance) {
 }
 
 // The goals are alpha within 1 % (fur 1.5 %), and energy within 2 % at 64 pixels a box and 4 % beyond. Alpha reaches
-// them but for leaves from 4 pixels on, 2.3 %. Energy does not, except that of the sheet at 64 and 16 pixels; the tolerances
-// are what is reached, rounded up. Texels are balanced for all directions at once: these three are some of them. Fur at 64 pixels
-// on the bent skin is 6 % too dark, grass in flat boxes of a pixel 8 % from the side, the flat sheet at 4 pixels 7 % of its
-// side's light too bright from behind, where its copies shade each other at a grazing angle; fur is 11 % too dark from the
-// side where a bent box is one pixel.
+// them but for leaves from 4 pixels on, 2.3 %. Energy does where a box is a pixel; elsewhere not always: the tolerances
+// are what is reached, rounded up. Texels are balanced for all directions at once: these three are some of them. Fur on the bent
+// skin is 7 % too dark at 64 pixels from the side and at 16 from behind, leaves in flat boxes of 4 pixels 7 % too bright from the
+// side, and the flat sheet there 6 % of its side's light from behind, where its copies shade each other at a grazing angle.
 
 #[test]
 fn a_sheet_is_as_bright_as_its_geometry() {
     compare(
         Content::Sheet,
-        &Tolerance { alpha: [0.003, 0.003, 0.003, 0.007], energy: [0.01, 0.015, 0.07, 0.045] },
+        &Tolerance { alpha: [0.003, 0.003, 0.003, 0.007], energy: [0.01, 0.015, 0.065, 0.025] },
     );
 }
 
@@ -60,7 +59,7 @@ fn a_sheet_is_as_bright_as_its_geometry() {
 fn leaves_are_as_bright_as_their_geometry() {
     compare(
         Content::Leaves,
-        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.03, 0.042, 0.066, 0.055] },
+        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.033, 0.036, 0.07, 0.04] },
     );
 }
 
@@ -68,7 +67,7 @@ fn leaves_are_as_bright_as_their_geometry() {
 fn grass_is_as_bright_as_its_geometry() {
     compare(
         Content::Grass,
-        &Tolerance { alpha: [0.004, 0.005, 0.01, 0.012], energy: [0.05, 0.02, 0.04, 0.081] },
+        &Tolerance { alpha: [0.004, 0.005, 0.01, 0.012], energy: [0.031, 0.02, 0.032, 0.04] },
     );
 }
 
@@ -76,6 +75,6 @@ fn grass_is_as_bright_as_its_geometry() {
 fn fur_is_as_bright_as_its_geometry() {
     compare(
         Content::Fur,
-        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.059, 0.066, 0.053, 0.116] },
+        &Tolerance { alpha: [0.007, 0.007, 0.009, 0.014], energy: [0.07, 0.072, 0.04, 0.04] },
     );
 }

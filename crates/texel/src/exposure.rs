@@ -3,7 +3,8 @@
 //! Points are spread evenly over both sides of the triangles in the voxels of one level. From each, rays through the
 //! mask's cells ask how far it is to the next triangle: which cells are open at one level's [`Surfel::reach`] and
 //! which at another's then follows, so that a voxel of any coarser level chooses among the points of its descendants. What is
-//! seen from nowhere (the inside of a tube) is dropped. Beyond its reach the shadow cone sees what the voxels hold.
+//! seen from nowhere (the inside of a tube) is dropped. Beyond its reach the shadow cone sees what the voxels hold. The
+//! coarsest levels, of which tables are made, have points of their own, which look further and in more directions.
 //!
 //! The rays cost nearly all of the time: hence few from sides of triangles that look dark, and, in fine voxels, from one
 //! point for all that face alike.
@@ -15,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::dark::{dark_sides, normal_of, point_of};
 use crate::random::Random;
-use crate::reflectance::{self, Reflectances};
+use crate::reflectance::{Outlook, Reflectances, TABLED, Tally};
 use crate::region::Parts;
 use crate::sample::snapped_normal;
 use crate::surfel::{Surfel, Surfels, direction};
@@ -62,14 +63,14 @@ pub(crate) fn measure(
     let dark = dark_sides(facets, scene, Surfel::reach(edge(finest)));
     let content = Content { facets, scene, dark: &dark };
     let coarse = COARSE.min(finest);
-    let sampling =
-        Sampling { points: points as usize, stride: 1, alike: 2.0, edges: [edge(0), edge(coarse)] };
-    let mut all = choose(
-        lists,
-        0..=coarse,
-        &content.points(&lists[coarse], &sampling, &|| report(COARSE_WORK)),
-        &sampling,
-    );
+    let coarsely = || report(COARSE_WORK);
+    let mut all = content.reflectances(lists, coarse, POINTS_OF_TABLES * points as usize, &coarsely);
+    if finest >= TABLED {
+        let sampling =
+            Sampling { points: points as usize, stride: 1, alike: 2.0, edges: [edge(TABLED), edge(coarse)] };
+        let points = content.points(&lists[coarse], &sampling, &coarsely);
+        all.extend(choose(lists, TABLED..=coarse, &points, &sampling));
+    }
     if finest > coarse {
         let sampling =
             Sampling { points: 8, stride: 2, alike: 0.97, edges: [edge(coarse + 1), edge(finest)] };
@@ -79,6 +80,9 @@ pub(crate) fn measure(
     all
 }
 
+/// Points of tables are tried so many times as often as others: of those seen from one direction few are lit from another.
+const POINTS_OF_TABLES: usize = 4;
+
 /// What a cell of level [`COARSE`] costs of one of the finest.
 const COARSE_WORK: usize = 16;
 
@@ -87,12 +91,8 @@ pub(crate) fn work(lists: &[Cells]) -> usize {
     let finest = lists.len().saturating_sub(1);
     let cells = |level: usize| lists.get(level).map_or(0, |cells| cells.codes().len());
     let fine = if finest > COARSE { cells(finest) } else { 0 };
-    COARSE_WORK * cells(COARSE.min(finest)) + fine
-}
-
-/// Points at most of which the reflectance of a level's voxels is measured; `None` where it has surfels.
-fn most_points(level: usize) -> Option<usize> {
-    [65536, 8192, 2048].get(level).copied()
+    let passes = 1 + usize::from(finest >= TABLED);
+    passes * COARSE_WORK * cells(COARSE.min(finest)) + fine
 }
 
 /// Surfels in a voxel of a level at most.
@@ -119,15 +119,6 @@ fn choose(
         let found = |range: Range<usize>| {
             points[range].iter().flatten().filter_map(|p| p.seen(reach, sampling)).collect::<Vec<_>>()
         };
-        if let Some(most) = most_points(level) {
-            let each = ranges.into_par_iter().enumerate().map(|(i, range)| {
-                let mut found = found(range);
-                thin_out(&mut found, most, &mut Random::new((level as u64) << 32 | i as u64, 0x3d1e));
-                let points: Vec<reflectance::Point> = found.iter().map(Found::point).collect();
-                reflectance::Measured::new(&points)
-            });
-            return Shown::Reflectances(Reflectances::new(each.collect()));
-        }
         let each = ranges.into_par_iter().enumerate().map(|(i, range)| {
             let mut found = found(range);
             let random = &mut Random::new((level as u64) << 32 | i as u64, 0x50f3);
@@ -214,6 +205,60 @@ struct Tried {
 }
 
 impl Content<'_> {
+    /// The reflectances of the levels that have them, of points in the cells of level `last`.
+    fn reflectances(
+        &self,
+        lists: &[Cells],
+        last: usize,
+        points: usize,
+        done: &(dyn Fn() + Sync),
+    ) -> Vec<Shown> {
+        // Points are many, and each is needed once: for the tallies of its voxel of the finest of these levels, as each level sees it.
+        let finest = last.min(TABLED - 1);
+        let sampling = Sampling { points, stride: 1, alike: 2.0, edges: [1.0 / (1 << last) as f32; 2] };
+        let ranges = lists[finest].descendants(&lists[last], 3 * (last - finest) as u32);
+        let voxels = ranges.into_par_iter().map_init(Scratch::default, |scratch, range| {
+            let mut tallies: Vec<Tally> = (0..=finest).map(|_| Tally::new()).collect();
+            for cell in range {
+                self.look_around(&lists[last], cell, &sampling, scratch, |point| {
+                    tallies.iter_mut().enumerate().for_each(|(level, tally)| tally.add(level, &point));
+                });
+                done();
+            }
+            tallies
+        });
+        let voxels: Vec<Vec<Tally>> = voxels.collect();
+        let of_level = |level: usize| {
+            let ranges = lists[level].descendants(&lists[finest], 3 * (finest - level) as u32);
+            let each = ranges.into_par_iter().map(|range| {
+                let mut all = Tally::new();
+                voxels[range].iter().for_each(|tallies| all.add_all(&tallies[level]));
+                all.measured()
+            });
+            Shown::Reflectances(Reflectances::new(each.collect()))
+        };
+        (0..=finest).map(of_level).collect()
+    }
+
+    /// What points of a cell see of their surroundings.
+    fn look_around(
+        &self,
+        cells: &Cells,
+        cell: usize,
+        sampling: &Sampling,
+        scratch: &mut Scratch,
+        each: impl FnMut(Outlook),
+    ) {
+        let random = &mut Random::new(u64::from(cells.codes()[cell]), 0x0a11);
+        let facets: Vec<usize> = cells.facets(cell).collect();
+        self.try_points(&facets, cells.cell(cell).as_vec3(), sampling, scratch, random);
+        let look = |t: &Tried| {
+            let distance = |d: Vec3, [near, far]: [f32; 2]| self.scene.distance(t.facet, t.at, d, near, far);
+            Outlook::new(t.normal, t.color, t.weight, random, distance)
+        };
+        scratch.tried.iter().filter_map(look).for_each(each);
+    }
+
     /// The points of each of `cells`.
     fn points(&self, cells: &Cells, sampling: &Sampling, done: &(dyn Fn() + Sync)) -> Vec<Vec<Point>> {
         let edge = sampling.edges[1];

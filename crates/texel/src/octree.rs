@@ -196,7 +196,7 @@ impl Level {
             + self.reflectances.memory()
             + self.cloud.memory()
             + self.openness.len()
-            + self.balance.as_ref().map_or(0, size_of_val)
+            + self.balance.as_ref().map_or(0, |balance| size_of_val(balance.nodes()))
     }
 
     /// Keeps it in little room, if it is fine enough that nobody sees the difference.

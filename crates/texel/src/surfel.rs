@@ -143,22 +143,6 @@ impl Surfel {
         row(j) + b * (row(j + 1.0) - row(j))
     }
 
-    /// The number of the cell at a column and row; of the nearest, outside.
-    pub(crate) fn cell(at: [f32; 2]) -> usize {
-        let [column, row] = at.map(|c| (c.max(0.0) as usize).min(Self::SIDE - 1));
-        Self::SIDE * row + column
-    }
-
-    /// The part that is open of the cells beside each: those of the disk that share a side with it.
-    pub(crate) fn open_around(&self) -> [f32; Self::SIDE * Self::SIDE] {
-        let count = |cells: u64, cell: usize| (cells >> cell & 1) as f32;
-        let [inside, open] = [*INSIDE, self.mask() & *INSIDE].map(beside);
-        std::array::from_fn(|cell| {
-            let sum = |four: [u64; 4]| four.into_iter().map(|cells| count(cells, cell)).sum::<f32>();
-            sum(open) / sum(inside).max(1.0)
-        })
-    }
-
     /// The bit of the cell at a column and row; of the nearest, outside.
     #[inline]
     fn is_open(&self, at: [f32; 2]) -> bool {
@@ -166,18 +150,6 @@ impl Surfel {
         let (column, row) = (cell(at[0]), cell(at[1]));
         self.mask() >> (Self::SIDE as u32 * row + column) & 1 != 0
     }
-}
-
-/// The cells whose middles lie in the disk.
-static INSIDE: LazyLock<u64> = LazyLock::new(|| {
-    let inside = |cell: usize| middle(cell % Surfel::SIDE).hypot(middle(cell / Surfel::SIDE)) < 1.0;
-    (0..Surfel::SIDE * Surfel::SIDE).filter(|cell| inside(*cell)).fold(0, |cells, cell| cells | 1 << cell)
-});
-
-/// Of the cells to the left, to the right, below and above each, those that are among `cells`.
-fn beside(cells: u64) -> [u64; 4] {
-    const FIRST: u64 = 0x0101_0101_0101_0101;
-    [cells << 1 & !FIRST, cells >> 1 & !(FIRST << 7), cells << 8, cells >> 8]
 }
 
 /// Cells inside the disk.
@@ -239,13 +211,13 @@ pub(crate) fn on_disk(normal: Vec3, d: Vec3) -> [f32; 2] {
 
 /// The same, by the axes of the disk.
 #[inline]
-pub(crate) fn place(axes: &[Vec3; 2], d: Vec3) -> [f32; 2] {
+fn place(axes: &[Vec3; 2], d: Vec3) -> [f32; 2] {
     axes.map(|axis| (0.5 * axis.dot(d) + 0.5) * Surfel::SIDE as f32)
 }
 
 /// The axes of the disk.
 #[inline]
-pub(crate) fn axes(normal: Vec3) -> [Vec3; 2] {
+fn axes(normal: Vec3) -> [Vec3; 2] {
     let (x, y) = normal.any_orthonormal_pair();
     [x, y]
 }

@@ -3,8 +3,6 @@
 use glam::Vec3;
 
 use crate::random::Random;
-use crate::reflectance;
-use crate::surfel::Surfel;
 
 /// A point as a level sees it.
 #[derive(Clone, Copy)]
@@ -14,15 +12,6 @@ pub(crate) struct Found {
     pub(crate) open: u64,
     /// The surface that it stands for, in any unit.
     pub(crate) weight: f32,
-}
-
-impl Found {
-    pub(crate) fn point(&self) -> reflectance::Point {
-        reflectance::Point {
-            surfel: Surfel::new(self.normal, self.color, 1.0, self.open),
-            weight: self.weight,
-        }
-    }
 }
 
 /// Of those that face alike (20°) and are open to alike, the heaviest stands for all.

@@ -21,7 +21,7 @@ use crate::render::see;
 use crate::{Camera, Coat, Description, Environment, Light, Rays, Scene, Settings};
 
 /// Directions from which a texel is looked at, and suns for each.
-const VIEWS: usize = 64;
+const VIEWS: usize = 96;
 const SUNS: usize = 6;
 
 /// How far from the eye the first suns are, about, in radians; the others are anywhere.
@@ -40,7 +40,7 @@ const DISTANCE: f32 = 200.0;
 const ACROSS: u32 = 4;
 
 /// Rays that see the geometry, from each direction.
-const SAMPLES: usize = 1024;
+const SAMPLES: usize = 2048;
 
 /// Balances a texel: a level that is too dark or too bright from some direction, in some light, sends by so much more or
 /// less of it.
@@ -75,7 +75,7 @@ fn measured(texel: &Arc<Texel>, progress: &(dyn Fn(f32) + Sync)) -> Vec<Option<B
     let seen: Vec<Vec<[Shown; SUNS]>> = (0..VIEWS).into_par_iter().map(look).collect();
     let of_level = |level: u32| -> Option<Balance> {
         let pairs: Vec<Shown> = seen.iter().flat_map(|levels| levels[level as usize]).collect();
-        Balance::fit(&pairs, level < COARSE)
+        Balance::fit(&pairs)
     };
     levels.map(of_level).collect()
 }
@@ -140,7 +140,7 @@ fn stage(texel: &Arc<Texel>, lights: Vec<Light>) -> Option<Scene> {
     Scene::new(description).ok()
 }
 
-/// Levels below this one are tables of directions, whose errors vary too quickly for a factor but for light near the eye.
+/// Pixels as wide as the voxels of levels below this one hold much of the texel.
 const COARSE: u32 = 3;
 
 /// The level whose voxels are as wide as the pixels in which the geometry is looked at.
@@ -226,7 +226,6 @@ impl Sight {
         let Some(scene) = stage(texel, self.lights().into()) else {
             return Look { alpha: 0.0, rays: vec![] };
         };
-        // Pixels of coarse levels hold more of the texel.
         let (rays, count) = if level < COARSE { (Rays::Sixteen, 12) } else { (Rays::One, 160) };
         let settings = Settings { size: self.size(level), rays, lit_voxels: 16, ..Settings::default() };
         let (mut view, mut shader) = (View::default(), Shader::default());

@@ -32,7 +32,7 @@
 //!         facings     5 bytes, as in memory: 56 a voxel
 //!         tables      7875 bytes a voxel, as in memory
 //!
-//! balanced            18 × f32
+//! balanced            96 × f32
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory
@@ -40,7 +40,7 @@
 //! ```
 
 use super::planes::{Planes, write};
-use crate::balance::TERMS;
+use crate::balance::NODES as BALANCED;
 use crate::bricks::Bricks;
 use crate::compact::{Compact, CompactSurfels, CompactVoxel};
 use crate::octree::Content;
@@ -99,8 +99,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     write(&mut out, parts.nodes);
     write(&mut out, parts.facings);
     out.extend(parts.tables);
-    let balance = level.balance().into_iter().flat_map(Balance::coefficients);
-    out.extend(balance.flat_map(|coefficient| coefficient.to_le_bytes()));
+    let balance = level.balance().into_iter().flat_map(Balance::nodes);
+    out.extend(balance.flat_map(|factor| factor.to_le_bytes()));
     write(&mut out, level.cloud().counts().map(u32::to_le_bytes));
     write(&mut out, scatterers.iter().map(|scatterer| scatterer.0.to_bytes()));
     out.extend(maps);
@@ -157,11 +157,11 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
         level.set_reflectances(reflectances.ok_or("has a reflectance that is no number")?);
     }
     if form & 8 != 0 {
-        let mut coefficients = [0.0; TERMS];
-        for (coefficient, bytes) in coefficients.iter_mut().zip(planes.read_rows(TERMS).ok_or(SHORT)?) {
-            *coefficient = f32::from_le_bytes(bytes);
+        let mut factors = [0.0; BALANCED];
+        for (factor, bytes) in factors.iter_mut().zip(planes.read_rows(BALANCED).ok_or(SHORT)?) {
+            *factor = f32::from_le_bytes(bytes);
         }
-        let balance = Balance::from_coefficients(coefficients);
+        let balance = Balance::from_nodes(factors);
         level.set_balance(Some(balance.ok_or("has a balance that is no number")?));
     }
     if form & 2 != 0 {

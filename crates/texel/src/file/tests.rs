@@ -3,7 +3,7 @@ use std::sync::OnceLock;
 use proptest::prelude::*;
 
 use super::*;
-use crate::balance::TERMS;
+use crate::balance::NODES;
 use crate::{Balance, BuildOptions, Fur, Grass, Hypertexture, Kind, build, build_exact};
 
 /// A little grass, of levels 0 to 6: the last two compact. All but one are balanced, anyhow.
@@ -12,7 +12,7 @@ fn grass() -> &'static Texel {
     GRASS.get_or_init(|| {
         let options = BuildOptions { depth: 6, ..BuildOptions::preview() };
         let grass = build("a few blades", Grass { count: 4, ..Grass::lawn() }, &options, &|_| ()).unwrap();
-        let balance = |l: u8| Balance::from_coefficients([0.01 * f32::from(l); TERMS]);
+        let balance = |l: u8| Balance::from_nodes([0.01 * f32::from(l); NODES]);
         grass.balanced((0..7).map(|l| balance(l).filter(|_| l != 1)))
     })
 }
@@ -151,8 +151,8 @@ fn other_versions_are_told_from_damaged_ones() {
         bytes[24..28].copy_from_slice(&hasher.finalize().to_le_bytes());
         read(&bytes)
     };
-    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 4 })));
-    assert!(matches!(of_version(3), Err(FileError::Older { version: 3, known: 4 })));
+    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 5 })));
+    assert!(matches!(of_version(4), Err(FileError::Older { version: 4, known: 5 })));
 }
 
 #[test]

@@ -11,26 +11,32 @@
 //! ```
 //!
 //! and D / S is what is reflected. D takes either way alike. Both are kept at the [`nodes`] of a net of directions,
-//! between which is interpolated, as the functions of that kind that come nearest to them. What nodes are too far apart
-//! for, highlights for one, is told by how the surface [faces](facing).
+//! between which is interpolated. M is asked of the geometry itself, by [rays](outlook) towards the cells of that net. What
+//! nodes are too far apart for, highlights for one, is told by how the surface [faces](facing).
 
 mod facing;
 mod measure;
 mod nodes;
+mod outlook;
 mod table;
 
 use glam::{Mat3, Vec3};
 
 pub(crate) use facing::FACINGS;
 use facing::Facings;
-pub(crate) use measure::{Measured, Point};
+pub(crate) use measure::{Measured, Tally};
 pub(crate) use nodes::NODES;
-use nodes::around;
+use nodes::{around, aside};
+pub(crate) use outlook::{Outlook, TABLED};
 use table::{Node, byte, pair};
 pub(crate) use table::{PAIRS, Parts, Reflectances};
 
 /// The distance between unit vectors to the eye and to the light at which hardly more of what is seen is lit than of the rest.
-const APART: f32 = 0.08;
+const APART: f32 = 0.05;
+
+/// How far apart unit vectors to the eye and to the light are up to which nodes are taken as far apart as they, and from which on each
+/// for itself.
+const BESIDE: [f32; 2] = [0.4, 0.8];
 
 /// How long the mean of unit normals is of a voxel whose normals begin to agree, and of one where they do.
 const FACING_ALIKE: [f32; 2] = [0.9, 0.98];
@@ -97,12 +103,25 @@ impl Reflectance<'_> {
         if whole == 0.0 {
             return Lit { diffuse: Vec3::ZERO, gloss: 0.0 };
         }
+        let known = faces_alike(self.normal);
+        let entry = |a: usize, b: usize| {
+            let root = byte(self.table[pair(a, b)]);
+            self.largest * root * root
+        };
         let mut diffuse = 0.0;
         for (a, eye) in self.entries {
-            for (b, light) in around {
-                let root = byte(self.table[pair(a, b)]);
-                diffuse += self.largest * eye * light * root * root;
+            diffuse += around.iter().map(|(b, light)| eye * light * entry(a, *b)).sum::<f32>();
+        }
+        // Near the eye D varies with how far the light is from it far more than with where both are.
+        let [from, to] = BESIDE;
+        let beside = ((to - (self.eye - light).length()) / (to - from)).clamp(0.0, 1.0) * (1.0 - known);
+        if let Some(each) = aside(self.eye, light).filter(|_| beside > 0.0) {
+            let mut sum = 0.0;
+            for ((a, eye), around) in self.entries.iter().zip(each) {
+                let of = |(b, light): (usize, f32)| eye * light * self.nodes[b].scale() * entry(*a, b);
+                sum += around.map(of).iter().sum::<f32>();
             }
+            diffuse += beside * (sum - diffuse);
         }
         // What is both seen and lit has about as much of either's colour.
         let color = 0.5 * (self.color + color / whole);
@@ -110,7 +129,6 @@ impl Reflectance<'_> {
         let [mut bent, mut highlight] = self.facings.bent(self.eye, light, bend);
         let all = self.color * (self.normal.dot(light).max(0.0) * bent);
         // The more alike all of it faces, the better its normals say what nodes cannot.
-        let known = faces_alike(self.normal);
         if known > 0.0 {
             let both = [(self.eye, &self.nearest), (light, &nearest)];
             let exact = self.facings.correction(both, bend);
@@ -138,11 +156,19 @@ fn brightness(color: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Surfel;
     use crate::random::Random;
 
-    fn of(points: &[Point]) -> Reflectances {
-        Reflectances::new(vec![Measured::new(points)])
+    fn of<'a>(points: impl IntoIterator<Item = &'a Outlook>) -> Reflectances {
+        let mut tally = Tally::new();
+        points.into_iter().for_each(|point| tally.add(0, point));
+        Reflectances::new(vec![tally.measured()])
+    }
+
+    /// White points that nothing blocks, alike but for their directions.
+    fn open(normal: Vec3, count: usize, random: &mut Random) -> Vec<Outlook> {
+        (0..count)
+            .filter_map(|_| Outlook::new(normal, Vec3::ONE, 1.0, random, |_, _| f32::INFINITY))
+            .collect()
     }
 
     /// As it is.
@@ -156,9 +182,8 @@ mod tests {
         // between nodes; a byte a number leaves some hundredths.
         let random = &mut Random::new(8, 0);
         for _ in 0..50 {
-            let surfel = Surfel::new(random.direction(), Vec3::ONE, 1.0, u64::MAX);
-            let normal = surfel.normal();
-            let all = of(&[Point { surfel, weight: 2.0 }]);
+            let normal = random.direction();
+            let all = of(&open(normal, 200, random));
             for _ in 0..20 {
                 let [eye, light] = [(); 2].map(|()| random.direction());
                 let Some(shown) = all.of(0, eye).filter(|_| normal.dot(eye) > 0.1) else { continue };
@@ -178,8 +203,13 @@ mod tests {
     #[test]
     fn two_sides_of_a_wall_know_of_their_own_light() {
         // A wall, red to the left and blue to the right: who sees the red side sees no light of the right.
-        let side = |normal, color| Point { surfel: Surfel::new(normal, color, 1.0, u64::MAX), weight: 1.0 };
-        let all = of(&[side(Vec3::X, Vec3::X), side(-Vec3::X, Vec3::Z)]);
+        let random = &mut Random::new(11, 0);
+        let mut side = |normal, color| {
+            let points = open(normal, 200, random);
+            points.into_iter().map(move |point| Outlook { color, ..point })
+        };
+        let all: Vec<Outlook> = side(Vec3::X, Vec3::X).chain(side(-Vec3::X, Vec3::Z)).collect();
+        let all = of(&all);
         let (left, right) = (Vec3::new(0.8, 0.1, 0.6).normalize(), Vec3::new(-0.8, 0.2, 0.5).normalize());
         let shown = all.of(0, left).expect("it is seen");
         assert!((shown.color - Vec3::X).length() < 0.01);
@@ -192,8 +222,7 @@ mod tests {
     #[test]
     fn a_bent_plane_reflects_as_the_plane_that_it_becomes() {
         // A floor, sheared into a slope: its normal is J⁻ᵀz, its cosine that of the slope, its highlight too.
-        let floor = Point { surfel: Surfel::new(Vec3::Z, Vec3::ONE, 1.0, u64::MAX), weight: 1.0 };
-        let all = of(&[floor]);
+        let all = of(&open(Vec3::Z, 200, &mut Random::new(12, 0)));
         let jacobian =
             Mat3::from_cols(Vec3::new(1.0, 0.0, 0.6), Vec3::new(0.0, 1.4, 0.0), Vec3::new(0.3, 0.0, 1.0));
         let inverse = jacobian.inverse();
@@ -218,10 +247,7 @@ mod tests {
         // of the normals themselves; facings are 54, and bells.
         let random = &mut Random::new(10, 0);
         let normals: Vec<Vec3> = (0..4000).map(|_| random.direction()).collect();
-        let points: Vec<Point> = normals
-            .iter()
-            .map(|n| Point { surfel: Surfel::new(*n, Vec3::ONE, 1.0, u64::MAX), weight: 1.0 })
-            .collect();
+        let points: Vec<Outlook> = normals.iter().flat_map(|n| open(*n, 1, random)).collect();
         let all = of(&points);
         let eye = Vec3::new(0.5, 0.2, 0.7).normalize();
         for light in [
@@ -250,12 +276,14 @@ mod tests {
     #[test]
     fn bytes_return() {
         let random = &mut Random::new(9, 0);
+        // Each blocked on one side.
         let mut point = || {
-            let normal = random.direction();
-            let open = (random.unit() * 4e9) as u64 * 0x1_0000_0001;
-            Point { surfel: Surfel::new(normal, Vec3::splat(random.unit()), 1.0, open), weight: 1.0 }
+            let [normal, side] = [(); 2].map(|()| random.direction());
+            let color = Vec3::splat(random.unit());
+            let distance = |d: Vec3, _| if d.dot(side) > 0.0 { f32::INFINITY } else { 0.0 };
+            Outlook::new(normal, color, 1.0, random, distance)
         };
-        let points: Vec<Point> = (0..20).map(|_| point()).collect();
+        let points: Vec<Outlook> = (0..20).filter_map(|_| point()).collect();
         let all = of(&points);
         let Parts { largest, nodes, facings, tables } = all.parts();
         let parts = Parts { largest, nodes, facings, tables: tables.to_vec() };
