@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{IVec3, Vec2, Vec3, Vec4, vec3};
 use pelage::bake::{BakeFault, Content, ContentOptions, Fit, content, read};
-use pelage::geom::{Alpha, AlphaMode, Face, Material, MaterialId, Mesh, Texture, TextureId};
+use pelage::geom::{Alpha, AlphaMode, Face, Material, MaterialId, Mesh, Texture, TextureId, evenly};
 use pelage::import::{Imported, Strand, Up};
 use pelage::texel::{BuildOptions, Texel, build};
 
@@ -58,14 +58,8 @@ fn built(content: Content, periodic: bool) -> Texel {
 fn coverage(texel: &Texel, level: u32, inside: impl Fn(Vec2) -> bool) -> f64 {
     let level = texel.level(level);
     let size = level.resolution() as f32;
-    // Spread evenly whatever voxels there are: a lattice of the plastic number.
     const POINTS: usize = 40_000;
-    let point = |i: usize| {
-        Vec2::new(
-            (i as f64 * 0.754_877_666_246_692_7).fract() as f32,
-            (i as f64 * 0.569_840_290_998_053_2).fract() as f32,
-        )
-    };
+    let point = |i: usize| evenly(i).as_vec2();
     let mut stopped = 0.0;
     for at in (0..POINTS).map(point).filter(|&p| inside(p)) {
         let (from, to) = ((at * size).extend(size), (at * size).extend(0.0));

@@ -16,7 +16,7 @@
 use core::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
-use pelage_geom::Symmetric3;
+use pelage_geom::{Symmetric3, evenly};
 use rayon::prelude::*;
 
 use crate::coverage::{SIXTEEN, Sight, fit};
@@ -53,9 +53,7 @@ impl Sightline {
                 let z = slope.sin();
                 let around = Vec2::from_angle(2.0 * PI * random.unit());
                 let down = (around * (1.0 - z * z).sqrt()).extend(-z);
-                // Plastic-number lattice: evenly spread whatever the count.
-                let spread = |ratio: f64| (0.5 + ratio * i as f64).fract() as f32;
-                let start = Vec2::new(spread(0.754_877_666_246_692_7), spread(0.569_840_290_998_053_2));
+                let start = evenly(i).as_vec2();
                 let (from, to) = if periodic {
                     let from = start.extend(1.0);
                     (from, from + down / z)

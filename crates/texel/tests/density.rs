@@ -1,6 +1,7 @@
 //! Texels of densities: every level lets through as much light as the density does, along the whole way.
 
 use glam::{DVec3, Vec2, Vec3};
+use pelage_geom::evenly;
 use pelage_texel::{
     BuildError, BuildOptions, Density, Hypertexture, Kind, Level, Procedure, Source, Texel, build,
 };
@@ -43,8 +44,7 @@ fn passed_exactly(density: &Density, [from, to]: [Vec3; 2]) -> f32 {
 /// Sightlines from above, evenly spread, at a slope.
 fn sightlines(slope: f32, count: u32) -> impl Iterator<Item = [Vec3; 2]> {
     (0..count).map(move |i| {
-        let spread = |ratio: f64| (0.5 + ratio * f64::from(i)).fract() as f32;
-        let from = Vec2::new(spread(0.754_877_666_246_692_7), spread(0.569_840_290_998_053_2)).extend(1.0);
+        let from = evenly(i as usize).as_vec2().extend(1.0);
         let along = Vec2::from_angle(2.4 * i as f32) * slope;
         [from, from + along.extend(-1.0)]
     })

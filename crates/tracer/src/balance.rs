@@ -8,7 +8,8 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{Vec2, Vec3, vec2};
+use glam::{Vec2, Vec3};
+use pelage_geom::evenly;
 use pelage_skin::{Anchor, Lattice, Patch, Skin};
 use pelage_texel::{Balance, Shown, Source, Texel};
 use rayon::prelude::*;
@@ -196,12 +197,8 @@ impl Sight {
         let [width, height] = self.size(level);
         let pixel = ACROSS as f32 / height as f32;
         let axes = self.camera.orientation;
-        // Plastic-number lattice: evenly spread whatever the count.
-        let spread = |i: usize, ratio: f64| (0.5 + ratio * i as f64).fract() as f32 - 0.5;
         let place = |i: usize| {
-            let first = i + self.number * SAMPLES;
-            let p = vec2(spread(first, 0.754_877_666_246_692_7), spread(first, 0.569_840_290_998_053_2));
-            let p = p.extend(0.0);
+            let p = (evenly(i + self.number * SAMPLES) - 0.5).as_vec2().extend(0.0);
             [
                 (0.5 * width as f32 + p.dot(axes.x_axis) / pixel) as u32,
                 (0.5 * height as f32 - p.dot(axes.y_axis) / pixel) as u32,

@@ -3,8 +3,9 @@
 use std::fmt;
 use std::str::FromStr;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use pelage::compile::Prepared;
+use pelage::geom::evenly;
 use pelage::tracer::{Camera, Rect};
 
 use crate::sight::Sight;
@@ -111,11 +112,9 @@ impl Station {
     /// it, each moved by another part of a pixel. What a handful of pixels shows is luck.
     pub fn looks(&self) -> Vec<Camera> {
         let count = (self.enough / self.crop.area()).clamp(1, MOST_LOOKS);
-        // Both coordinates spread evenly over the pixel. [Roberts18]
-        let place = |k: usize| Vec2::new(0.754_877_7, 0.569_840_3) * k as f32;
         (0..count)
             .map(|k| {
-                let part = if k == 0 { Vec2::ZERO } else { (place(k) + 0.5).fract() - 0.5 };
+                let part = (evenly(k) - 0.5).as_vec2();
                 let [right, up] = [self.camera.orientation.x_axis, self.camera.orientation.y_axis];
                 let moved = self.pixel * (part.x * right + part.y * up);
                 Camera { position: self.camera.position + moved, ..self.camera }
