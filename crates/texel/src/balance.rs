@@ -61,8 +61,8 @@ impl Balance {
         (1.0 + (height / LOW).min(1.0) * more).clamp(RANGE[0], RANGE[1])
     }
 
-    /// The factor that comes nearest to all of `shown`: the least squares of what is left, each between absolute and
-    /// relative, of a factor that varies slowly and, where nothing speaks against it, is 1. `None` where nothing is lit.
+    /// The factor that leaves nothing of the light of `source` on the mean of pairs that are like each other, each counted between
+    /// absolute and relative. It varies slowly and, where nothing speaks against it, is 1. `None` where nothing is lit.
     pub fn fit(shown: &[Shown]) -> Option<Self> {
         // The weight, as a part of that of all pairs, of a factor of 1 and of a factor that is linear.
         const PRIOR: f64 = 3e-4;
@@ -71,6 +71,8 @@ impl Balance {
         if !(mean.is_finite() && mean > 0.0) {
             return None;
         }
+        // For each node nothing is left on the mean around it. Least squares would have the voxels in it twice, and take their
+        // noise for light that they have too much of.
         let (mut matrix, mut sums) = (vec![vec![0.0_f64; NODES]; NODES], vec![0.0_f64; NODES]);
         for Shown { eye, light, voxels, source } in shown {
             let weight = 1.0 / (source + mean);

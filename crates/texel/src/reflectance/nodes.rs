@@ -245,6 +245,29 @@ mod tests {
         }
     }
 
+    #[test]
+    fn what_is_aside_is_as_far_from_each_node_as_the_light_from_the_eye() {
+        let random = &mut Random::new(6, 0);
+        for _ in 0..1000 {
+            // Far enough from the horizon for all nodes to be there.
+            let mut place = || vec2(random.signed(), random.signed());
+            let (at, step) = (0.5 * place(), 0.2 * place());
+            let [eye, light] = [at, at + step].map(|at| from_square(at, 1.0));
+            let each = aside(eye, light).expect("one hemisphere");
+            for ((node, _), around) in around(eye).into_iter().zip(each) {
+                let mean: Vec2 =
+                    around.iter().map(|(i, weight)| *weight * cell_of_square(*i, SIDES[0])).sum();
+                assert!((mean - cell_of_square(node, SIDES[0]) - step).length() < 1e-4);
+            }
+            // Where both are one, so are the nodes.
+            let same = aside(eye, eye).expect("one hemisphere");
+            for ((node, _), around) in super::around(eye).into_iter().zip(same) {
+                assert!(around[0].0 == node && around[0].1 > 0.999);
+            }
+            assert!(aside(eye, -light).is_none());
+        }
+    }
+
     /// The root mean square difference.
     fn apart(a: &[f32], b: &[f32]) -> f32 {
         let sum: f32 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
