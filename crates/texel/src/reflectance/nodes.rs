@@ -261,7 +261,7 @@ mod tests {
             }
             // Where both are one, so are the nodes.
             let same = aside(eye, eye).expect("one hemisphere");
-            for ((node, _), around) in super::around(eye).into_iter().zip(same) {
+            for ((node, _), around) in around(eye).into_iter().zip(same) {
                 assert!(around[0].0 == node && around[0].1 > 0.999);
             }
             assert!(aside(eye, -light).is_none());
