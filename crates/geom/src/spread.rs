@@ -3,7 +3,7 @@
 use glam::{DVec2, dvec2};
 
 /// The `i`-th point of the R₂ sequence in the unit square: steps by 1/ρ and 1/ρ², where ρ³ = ρ + 1, from its middle on.
-/// Any points of it that follow each other are about as far from each other as so many can be. [Roberts18]
+/// Any points of it that follow each other are about as far from each other as so many can be. \[Roberts18\]
 pub fn evenly(i: usize) -> DVec2 {
     (0.5 + i as f64 * dvec2(0.754_877_666_246_692_7, 0.569_840_290_998_053_3)).fract()
 }
