@@ -167,8 +167,8 @@ pub struct Scene {
     first_box: Vec<u32>,
     /// The bent boxes of all coats, ready to be asked: preparing one costs more than a ray through it.
     hexahedra: Vec<Hexahedron>,
-    /// Of each box, whether it stands where its skin ends.
-    at_border: Vec<bool>,
+    /// Of each box, which of its walls are open: where its skin ends.
+    open_sides: Vec<[bool; 4]>,
     pub(crate) boxes: Accel,
     pub(crate) surfaces: Surfaces,
     pub(crate) materials: Vec<Material>,
@@ -208,14 +208,14 @@ impl Scene {
         let mut first_box = vec![0_u32];
         let mut box_bounds = vec![];
         let mut hexahedra = vec![];
-        let mut at_border = vec![];
+        let mut open_sides = vec![];
         let mut reach = 0.0_f32;
         for (coat, c) in coats.iter().enumerate() {
             c.texels.fault().map_or(Ok(()), |reason| Err(SceneError::Variety { coat, reason }))?;
             let patches = || c.skin.patches.par_iter().enumerate();
             let fault = patches().find_map_first(|(patch, p)| Some((patch, check_patch(&c.skin, p).err()?)));
             fault.map_or(Ok(()), |(patch, reason)| Err(SceneError::Patch { coat, patch, reason }))?;
-            at_border.extend(c.skin.at_border());
+            open_sides.extend(c.skin.open_sides());
             hexahedra.par_extend(patches().map(|(patch, _)| c.skin.hexahedron(patch)));
             box_bounds.par_extend(patches().map(|(patch, _)| c.skin.bounds(patch)));
             for (base, top) in c.skin.base.iter().zip(&c.skin.top) {
@@ -237,7 +237,7 @@ impl Scene {
             coats,
             first_box,
             hexahedra,
-            at_border,
+            open_sides,
             materials,
             textures,
             lights,
@@ -310,10 +310,10 @@ impl Scene {
         &self.hexahedra[patch as usize]
     }
 
-    /// Whether a box has an open wall beside it.
+    /// Which walls of a box are open, in the order of its patch's outline; `None` if none is.
     #[inline]
-    pub(crate) fn is_at_border(&self, patch: u32) -> bool {
-        self.at_border[patch as usize]
+    pub(crate) fn open_sides(&self, patch: u32) -> Option<[bool; 4]> {
+        Some(self.open_sides[patch as usize]).filter(|sides| sides.contains(&true))
     }
 
     /// The material of an opaque surface.

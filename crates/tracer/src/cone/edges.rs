@@ -59,7 +59,7 @@ impl Glance {
             normal: hit.geometric_normal,
             material: hit.material,
         };
-        let at_border = passages.iter().any(|passage| scene.is_at_border(passage.patch));
+        let at_border = passages.iter().any(|passage| scene.open_sides(passage.patch).is_some());
         Self { surface: surface.map(place), coat, at_border }
     }
 

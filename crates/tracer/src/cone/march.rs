@@ -4,6 +4,7 @@ use glam::{IVec2, IVec3, Mat3, Vec3};
 use pelage_geom::{Cone, Ray};
 use pelage_texel::{Crossing, Line, Step, Texel};
 
+use super::border;
 use super::lod::{Levels, lambda};
 use super::passages::BoxPassage;
 use super::path::{Chord, LocalRay};
@@ -37,12 +38,13 @@ pub(crate) fn march(
 
     let ends = [local.end(passage, 0), local.end(passage, 1)];
     let jacobians = [local.texel_jacobian(&ends[0]), local.texel_jacobian(&ends[1])];
+    let coarsest = border::coarsest(scene, settings.lod, passage);
     // From end to end, for a texel of this height.
     let levels_of = |height: f32, depth: u32| {
         let end = |end: usize| {
             let Mat3 { x_axis, y_axis, z_axis } = jacobians[end];
             let jacobian = Mat3 { x_axis, y_axis, z_axis: height * z_axis };
-            lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end])
+            lambda(settings.lod, &jacobian, local.direction(), cone, passage.t[end]).max(coarsest[end])
         };
         Levels::new([end(0), end(1)], depth)
     };

@@ -5,13 +5,14 @@
 //! 1. [`passages`]: which boxes its axis goes through, from where to where;
 //! 2. [`path`]: through each box, the curve that the straight axis is in texel space, in exact chords;
 //! 3. [`march`]: along the chords, the voxels of the levels that fit the cone's width ([`lod`]), as a [`Trail`]; where
-//!    copies of the texel differ, copy by copy ([`stretch`]);
+//!    copies of the texel differ, copy by copy ([`stretch`]), and where the skin ends, at finer levels ([`border`]);
 //! 4. [`composite`]: the trails of all boxes merged by distance, front to back, cut by opaque surfaces.
 //!
 //! [`shadow`] does the same towards a light, where only the transmittance matters; [`shade`] lights the voxels that were
 //! seen ([`facing`], [`below`]) and [`opaque`] the surfaces.
 
 mod below;
+mod border;
 pub(crate) mod composite;
 mod deep_shadow;
 pub(crate) mod edges;
