@@ -6,8 +6,9 @@ use glam::Vec3;
 use pelage_geom::Symmetric3;
 use rayon::prelude::*;
 
+use crate::bearings::Bearings;
 use crate::bricks::Bricks;
-use crate::calibrate::{Sightline, calibrate};
+use crate::calibrate::calibrate;
 use crate::coverage::{ICOSAHEDRON, Matter, SIXTEEN, Sight, View, fit};
 use crate::density::table::Table;
 use crate::density::{measure, scatter};
@@ -16,6 +17,7 @@ use crate::grid::Frame;
 use crate::openness;
 use crate::packed::Packed;
 use crate::region::{Parts, Region};
+use crate::sightline::Sightline;
 use crate::source::Content;
 use crate::surroundings::Surroundings;
 use crate::voxelise::{Cells, Facet, tile};
@@ -23,6 +25,9 @@ use crate::{BuildError, Density, Geometry, Level, Scatterers, Source, Surfel, Te
 
 /// How many sightlines each level is held against.
 const SIGHTLINES: usize = 1 << 15;
+
+/// How many from each of the directions in which coarse levels are held against them once more.
+const SIGHTLINES_A_BEARING: usize = 4096;
 
 /// How a texel is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -205,10 +210,11 @@ fn levels_of_triangles(
     let grid = options.depth.min(6);
     let scene = Surroundings::new(&facets, &lists[grid as usize], 1 << grid, options.periodic);
     let first_hit = |_, from, to| scene.first_hit(from, to);
-    let sightlines = Sightline::cast(SIGHTLINES, options.periodic, first_hit);
+    let sightlines = Sightline::of_all_slopes(SIGHTLINES, options.periodic, first_hit);
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
+    turn(&mut levels, options.periodic, first_hit);
     let shown = exposure::measure(&facets, &lists, &scene, options.points, &report);
     for (level, shown) in levels.iter_mut().zip(shown) {
         level.set_shown(shown);
@@ -230,7 +236,7 @@ fn levels_of_density(
         let free = -(1.0 - (0.5 + GOLDEN * i as f64).fract()).ln();
         table.first_hit(from, to, free as f32)
     };
-    let sightlines = Sightline::cast(SIGHTLINES, options.periodic, first_hit);
+    let sightlines = Sightline::of_all_slopes(SIGHTLINES, options.periodic, first_hit);
     let levels = (0..).zip(&lists).map(|(l, codes)| {
         let Sampling { frames, side } = options.sampling(l);
         // A density changes evenly across fine voxels.
@@ -241,7 +247,19 @@ fn levels_of_density(
         level.set_cloud(scatter::level(&table, codes, l, options.points));
         level
     });
-    levels.collect()
+    let mut levels: Vec<Level> = levels.collect();
+    turn(&mut levels, options.periodic, first_hit);
+    levels
+}
+
+/// Makes the depths of coarse levels right along each direction too. Where the texel ends, sightlines pass beside what a
+/// voxel holds: that makes no holes in it.
+fn turn(levels: &mut [Level], periodic: bool, first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync) {
+    if periodic {
+        let sightlines = Sightline::of_all_bearings(SIGHTLINES_A_BEARING, true, first_hit);
+        let coarse = levels.par_iter_mut().take(Bearings::LEVELS);
+        coarse.for_each(|level| level.set_bearings(Some(Bearings::fit(level, &sightlines))));
+    }
 }
 
 /// What measuring a voxel needs and the next voxel reuses.

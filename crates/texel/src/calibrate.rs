@@ -15,58 +15,14 @@
 
 use core::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
-use pelage_geom::{Symmetric3, evenly};
+use glam::Vec3;
+use pelage_geom::Symmetric3;
 use rayon::prelude::*;
 
 use crate::coverage::{SIXTEEN, Sight, fit};
 use crate::packed::Packed;
-use crate::random::Random;
+use crate::sightline::Sightline;
 use crate::{Level, Voxel};
-
-/// A segment through the texel, and where the geometry first stops it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sightline {
-    from: Vec3,
-    to: Vec3,
-    /// As a parameter from 0 to 1; infinite where it passes.
-    hit: f32,
-}
-
-impl Sightline {
-    /// `count` sightlines from above, all slopes alike, and where they end.
-    ///
-    /// `first_hit` says where the content stops the `i`-th of them, from one point to another, as a part of the way;
-    /// infinite where it passes.
-    pub(crate) fn cast(
-        count: usize,
-        periodic: bool,
-        first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync,
-    ) -> Vec<Self> {
-        (0..count)
-            .into_par_iter()
-            .map(|i| {
-                let random = &mut Random::new(i as u64, 0x51a7);
-                // Flatter than this (radians) a sightline would cross dozens of tiles.
-                const FLATTEST: f32 = 0.06;
-                let slope = FLATTEST + (0.5 * PI - FLATTEST) * (i as f32 + random.unit()) / count as f32;
-                let z = slope.sin();
-                let around = Vec2::from_angle(2.0 * PI * random.unit());
-                let down = (around * (1.0 - z * z).sqrt()).extend(-z);
-                let start = evenly(i).as_vec2();
-                let (from, to) = if periodic {
-                    let from = start.extend(1.0);
-                    (from, from + down / z)
-                } else {
-                    // Through any point of the cube, from outside it to outside it.
-                    let middle = start.extend(random.unit());
-                    (middle - 2.0 * down, middle + 2.0 * down)
-                };
-                Self { from, to, hit: first_hit(i, from, to) }
-            })
-            .collect()
-    }
-}
 
 /// Classes of heights at most.
 const HEIGHTS: usize = 8;
@@ -153,24 +109,17 @@ struct Path {
 }
 
 fn paths(level: &Level, sightlines: &[Sightline], classes: Classes) -> Vec<Path> {
-    let scale = level.resolution() as f32;
     let path = |line: &Sightline| {
-        let (from, to) = (line.from * scale, line.to * scale);
-        let d = to - from;
+        let d = line.direction();
         let mut depths = [0.0; HEIGHTS];
         let mut stopped = None;
-        for step in level.walk(from, to) {
-            let voxel = level.voxel(step.voxel);
-            let clipped = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave]);
-            let Some([enter, leave]) = clipped else { continue };
-            let depth = voxel.depth_per_step(d) * (leave - enter);
-            let height = classes.height(step.cell.z);
+        line.meet(level, |_, z, depth, is_stopped| {
+            let height = classes.height(z);
             depths[height] += depth;
-            // The voxel that holds the hit, or the first behind it where rounding put the hit between two.
-            if stopped.is_none() && depth > 0.0 && line.hit <= leave + 1e-5 {
+            if stopped.is_none() && is_stopped {
                 stopped = Some(height);
             }
-        }
+        });
         Path { slope: classes.slope(d.z / d.length()), depths, stopped }
     };
     sightlines.par_iter().map(path).collect()

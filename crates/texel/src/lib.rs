@@ -13,6 +13,7 @@
 #![warn(missing_docs)]
 
 mod balance;
+mod bearings;
 mod bricks;
 mod build;
 mod calibrate;
@@ -41,6 +42,7 @@ mod reflectance;
 mod region;
 mod sample;
 mod scatterer;
+mod sightline;
 mod silhouette;
 mod source;
 mod surfel;

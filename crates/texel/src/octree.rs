@@ -4,6 +4,7 @@
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::bearings::Bearings;
 use crate::bricks::{Bricks, demorton, morton};
 use crate::compact::Compact;
 use crate::exposure::Shown;
@@ -26,6 +27,8 @@ pub struct Level {
     openness: Vec<u8>,
     /// By how much more light its voxels send than they say, where that is known.
     balance: Option<Balance>,
+    /// By how much deeper they are than they say, where that is known.
+    bearings: Option<Bearings>,
     periodic: bool,
 }
 
@@ -51,6 +54,7 @@ impl Level {
             cloud: Cloud::default(),
             openness,
             balance: None,
+            bearings: None,
             periodic,
         }
     }
@@ -137,10 +141,16 @@ impl Level {
     /// If `index` is not below [`len`](Self::len).
     #[inline]
     pub fn cross(&self, index: u32, line: &Line, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
-        match &self.content {
+        let crossing = match &self.content {
             Content::Exact(voxels, _) => line.cross(&voxels[index as usize], cell, range),
             Content::Compact(compact) => line.cross(&compact.voxel(index as usize), cell, range),
-        }
+        };
+        let Some(bearings) = &self.bearings else { return crossing };
+        let Crossing { range, depth } = crossing?;
+        Some(Crossing {
+            range,
+            depth: depth * bearings.factor(line.step.into(), index, cell.z, self.resolution()),
+        })
     }
 
     /// The voxel in a cell: s and t wrap if the texel is periodic; `None` outside it or where it is empty.
@@ -196,6 +206,7 @@ impl Level {
             + self.reflectances.memory()
             + self.cloud.memory()
             + self.openness.len()
+            + self.bearings.as_ref().map_or(0, |bearings| bearings.logs().len())
             + self.balance.as_ref().map_or(0, |balance| size_of_val(balance.nodes()))
     }
 
@@ -235,6 +246,14 @@ impl Level {
 
     pub(crate) fn set_cloud(&mut self, cloud: Cloud) {
         self.cloud = cloud;
+    }
+
+    pub(crate) fn bearings(&self) -> Option<&Bearings> {
+        self.bearings.as_ref()
+    }
+
+    pub(crate) fn set_bearings(&mut self, bearings: Option<Bearings>) {
+        self.bearings = bearings;
     }
 
     pub(crate) fn set_balance(&mut self, balance: Option<Balance>) {

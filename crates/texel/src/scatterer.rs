@@ -71,20 +71,26 @@ impl<'a> Scatterers<'a> {
 
     /// How far the scatterers of a level know their surroundings, in texel units: two voxels.
     pub fn reach(level: u32) -> f32 {
-        if level <= Self::MAPPED { 2.0 * 0.5_f32.powi(level as i32) } else { 0.0 }
+        if level < 2 {
+            2.0
+        } else if level <= Self::MAPPED {
+            2.0 * 0.5_f32.powi(level as i32)
+        } else {
+            0.0
+        }
     }
 
     /// Whether the scatterers of a level say what light reaches them from within [`Scatterers::reach`]; else a shadow
     /// cone from the point itself does.
     pub fn hold_shadows(level: u32) -> bool {
-        level < 2
+        level < 3
     }
 
     /// Cells of the maps of a level along an axis.
     pub(crate) fn side(level: u32) -> usize {
         match level {
-            0..2 => 16,
-            2..=Self::MAPPED => 8,
+            0..3 => 16,
+            3..=Self::MAPPED => 8,
             _ => 0,
         }
     }

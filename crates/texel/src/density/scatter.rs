@@ -1,10 +1,12 @@
 //! What each voxel of a density sends back: its scatterers, and at coarse levels what reaches them.
 
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::measure::bounds;
 use super::table::Table;
+use crate::bricks::morton;
+use crate::coverage::ICOSAHEDRON;
 use crate::random::Random;
 use crate::scatterer::{Cloud, Scatterer, Scatterers, directions};
 
@@ -15,7 +17,9 @@ struct Sampling {
     side: usize,
     /// Points tried, chosen by the extinction there.
     tried: usize,
-    /// Points kept, chosen by how much light reaches them.
+    /// Points looked around from, chosen by how much light reaches them from a few directions.
+    mapped: usize,
+    /// Points kept, chosen by how much does from all.
     kept: usize,
 }
 
@@ -34,8 +38,9 @@ impl Sampling {
             _ => [2, 1],
         };
         let kept = ((32 * points as usize) >> (2 * level).min(31)).max(least);
-        let tried = if level <= Scatterers::MAPPED { kept + kept / 2 } else { kept };
-        Self { side, tried, kept }
+        // What is dense is dark inside: hardly any of its points are seen.
+        let [tried, mapped] = if level <= Scatterers::MAPPED { [32 * kept, 2 * kept] } else { [kept; 2] };
+        Self { side, tried, mapped, kept }
     }
 }
 
@@ -51,11 +56,23 @@ pub(crate) fn level(table: &Table, codes: &[u32], level: u32, points: u32) -> Cl
         if Scatterers::side(level) == 0 {
             return (points.into_iter().map(|p| scatterer(p, 1.0)).collect(), Vec::new());
         }
-        let maps: Vec<Vec<u8>> = points.iter().map(|&p| map(table, p, &around)).collect();
-        let kept = kept(&maps, sampling.kept, random);
+        let first = ICOSAHEDRON.map(|d| d * Scatterers::reach(level));
+        let open = |from: Vec3, steps: &[Vec3]| -> f32 {
+            steps.iter().map(|&step| table.transmittance(from, step)).sum::<f32>() / steps.len() as f32
+        };
+        let tried = points.iter().map(|&p| (1.0, open(p, &first)));
+        let mapped = thinned(tried, sampling.mapped, random);
+        let maps: Vec<Vec<u8>> = mapped.iter().map(|&(i, _)| map(table, points[i], &around)).collect();
+        let mean =
+            |map: &[u8]| map.iter().map(|&byte| f32::from(byte)).sum::<f32>() / (255.0 * map.len() as f32);
+        let weighed = mapped.iter().zip(&maps).map(|((_, weight), map)| (*weight, mean(map)));
+        let kept = thinned(weighed, sampling.kept, random);
         let heaviest = kept.iter().fold(f32::MIN_POSITIVE, |most, &(_, weight)| most.max(weight));
         let maps = kept.iter().flat_map(|&(i, _)| maps[i].iter().copied()).collect();
-        (kept.into_iter().map(|(i, weight)| scatterer(points[i], weight / heaviest)).collect(), maps)
+        (
+            kept.into_iter().map(|(i, weight)| scatterer(points[mapped[i].0], weight / heaviest)).collect(),
+            maps,
+        )
     });
     Cloud::new(each.collect(), Scatterers::side(level))
 }
@@ -64,9 +81,14 @@ pub(crate) fn level(table: &Table, codes: &[u32], level: u32, points: u32) -> Cl
 fn tried(table: &Table, [lo, hi]: [Vec3; 2], sampling: Sampling, random: &mut Random) -> Vec<Vec3> {
     let Sampling { side, tried, .. } = sampling;
     let mut sum = 0.0;
-    let places: Vec<(Vec3, f32)> = (0..side.pow(3))
-        .map(|i| {
-            let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
+    // Those near each other after each other: any few of them are spread over the box.
+    let mut cells: Vec<[u32; 3]> =
+        (0..side.pow(3)).map(|i| [i % side, i / side % side, i / side / side].map(|c| c as u32)).collect();
+    cells.sort_unstable_by_key(|&cell| morton(cell));
+    let places: Vec<(Vec3, f32)> = cells
+        .into_iter()
+        .map(|cell| {
+            let cell = UVec3::from_array(cell).as_vec3();
             let within = Vec3::new(random.unit(), random.unit(), random.unit());
             let p = lo + (hi - lo) * (cell + within) / side as f32;
             sum += table.extinction(p);
@@ -89,21 +111,20 @@ fn map(table: &Table, from: Vec3, around: &[Vec3]) -> Vec<u8> {
     around.iter().map(|&step| (255.0 * table.transmittance(from, step)).round() as u8).collect()
 }
 
-/// At most `most` of the points with these maps, those that more light reaches rather, and what each stands for.
-fn kept(maps: &[Vec<u8>], most: usize, random: &mut Random) -> Vec<(usize, f32)> {
+/// At most `most` of some points, of each of which is told what it stands for and how much light reaches it: those that more
+/// does rather, and what each stands for then. Evenly spread along the order in which they are given.
+fn thinned(points: impl Iterator<Item = (f32, f32)>, most: usize, random: &mut Random) -> Vec<(usize, f32)> {
     // Those in the dark are not so rare that one of them would count for very many.
     const DARK: f32 = 0.02;
-    let importance = |map: &Vec<u8>| {
-        map.iter().map(|&byte| f32::from(byte)).sum::<f32>() / (255.0 * map.len() as f32) + DARK
-    };
-    let shares: Vec<f32> = maps.iter().map(importance).collect();
-    let step = shares.iter().sum::<f32>() / most.min(maps.len()) as f32;
+    let points: Vec<(f32, f32)> = points.map(|(weight, open)| (weight, open + DARK)).collect();
+    let whole: f32 = points.iter().map(|(weight, share)| weight * share).sum();
+    let step = whole / most.min(points.len()) as f32;
     let mut next = step * random.unit();
     let mut sum = 0.0;
     let mut kept = Vec::with_capacity(most);
-    for (i, share) in shares.into_iter().enumerate() {
+    for (i, (weight, share)) in points.into_iter().enumerate() {
         let mut times = 0.0;
-        sum += share;
+        sum += weight * share;
         while next < sum {
             next += step;
             times += 1.0;

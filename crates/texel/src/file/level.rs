@@ -41,6 +41,7 @@
 
 use super::planes::{Planes, write};
 use crate::balance::NODES as BALANCED;
+use crate::bearings::{self, Bearings};
 use crate::bricks::Bricks;
 use crate::compact::{Compact, CompactSurfels, CompactVoxel};
 use crate::octree::Content;
@@ -66,7 +67,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     let form = compact
         | usize::from(level.cloud().is_there()) << 1
         | usize::from(reflectances.is_there()) << 2
-        | usize::from(level.balance().is_some()) << 3;
+        | usize::from(level.balance().is_some()) << 3
+        | usize::from(level.bearings().is_some()) << 4;
     let (scatterers, maps, side) = level.cloud().tables();
     let counts = [form, bricks.len(), level.len(), surfels, level.openness().len(), directions, colors];
     let mut out = Vec::new();
@@ -101,6 +103,8 @@ pub(super) fn encode(level: &Level) -> Vec<u8> {
     out.extend(parts.tables);
     let balance = level.balance().into_iter().flat_map(Balance::nodes);
     out.extend(balance.flat_map(|factor| factor.to_le_bytes()));
+    let bearings = level.bearings().into_iter().flat_map(Bearings::logs);
+    out.extend(bearings.map(|&log| log as u8));
     write(&mut out, level.cloud().counts().map(u32::to_le_bytes));
     write(&mut out, scatterers.iter().map(|scatterer| scatterer.0.to_bytes()));
     out.extend(maps);
@@ -113,7 +117,7 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
     let mut planes = Planes(bytes);
     let counts = planes.counts().ok_or(SHORT)?;
     let [form, bricks, voxels, surfels, openness, directions, colors, scatterers, side] = counts;
-    if form > 15 {
+    if form > 31 {
         return Err("is of a form that there is not");
     }
     let codes = planes.read(bricks).ok_or(SHORT)?.map(u32::from_le_bytes);
@@ -163,6 +167,11 @@ pub(super) fn decode(l: u32, periodic: bool, bytes: &[u8]) -> Result<Level, &'st
         }
         let balance = Balance::from_nodes(factors);
         level.set_balance(Some(balance.ok_or("has a balance that is no number")?));
+    }
+    if form & 16 != 0 {
+        let logs =
+            planes.read(bearings::count(1 << l, voxels)).ok_or(SHORT)?.map(|[log]| log as i8).collect();
+        level.set_bearings(Some(Bearings::new(logs)));
     }
     if form & 2 != 0 {
         let counts = planes.read(voxels).ok_or(SHORT)?.map(u32::from_le_bytes);

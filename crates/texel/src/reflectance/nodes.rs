@@ -14,13 +14,13 @@ use crate::random::Random;
 /// as little lit.
 const SIDES: [usize; 2] = [10, 5];
 /// Nodes of the upper hemisphere.
-const UPPER: usize = SIDES[0] * SIDES[0];
+pub(crate) const UPPER: usize = SIDES[0] * SIDES[0];
 /// Nodes of the sphere: the upper hemisphere's, then the lower's.
 pub(crate) const NODES: usize = UPPER + SIDES[1] * SIDES[1];
 
 /// The four nodes around a unit vector, and their weights, whose sum is 1.
 #[inline]
-pub(super) fn around(d: Vec3) -> [(usize, f32); 4] {
+pub(crate) fn around(d: Vec3) -> [(usize, f32); 4] {
     let (side, first) = if d.z < 0.0 { (SIDES[1], UPPER) } else { (SIDES[0], 0) };
     between(on_square(d), side).map(|(node, weight)| (first + node, weight))
 }
@@ -190,10 +190,19 @@ fn quarters(cell: usize, side: usize) -> [Vec2; 4] {
 pub(super) fn draw(random: &mut Random) -> [Vec3; NODES] {
     let mut directions = [Vec3::ZERO; NODES];
     for (direction, (up, side, cell)) in directions.iter_mut().zip(cells()) {
-        let place = cell_of_square(cell, side) + vec2(random.signed(), random.signed()) / side as f32;
-        *direction = from_square(place, up);
+        *direction = from_square(within(cell, side, random), up);
     }
     directions
+}
+
+/// A direction of a cell of the upper hemisphere, anywhere in it.
+pub(crate) fn direction_above(cell: usize, random: &mut Random) -> Vec3 {
+    from_square(within(cell, SIDES[0], random), 1.0)
+}
+
+/// A point of a cell of the square, of so many on each side.
+fn within(cell: usize, side: usize, random: &mut Random) -> Vec2 {
+    cell_of_square(cell, side) + vec2(random.signed(), random.signed()) / side as f32
 }
 
 /// The solid angle of the cell that holds a direction.

@@ -1,0 +1,101 @@
+//! Lines of sight through the content, and where it stops them: what the levels are held against.
+
+use core::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+use pelage_geom::evenly;
+use rayon::prelude::*;
+
+use crate::Level;
+use crate::random::Random;
+use crate::reflectance::{UPPER, direction_above};
+
+/// A segment through the texel, and where the content first stops it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sightline {
+    from: Vec3,
+    to: Vec3,
+    /// As a parameter from 0 to 1; infinite where it passes.
+    hit: f32,
+}
+
+/// Flatter than this (radians) a sightline would cross dozens of tiles.
+const FLATTEST: f32 = 0.06;
+
+impl Sightline {
+    /// `count` sightlines from above, all slopes alike, and where they end.
+    ///
+    /// `first_hit` says where the content stops the `i`-th of them, from one point to another, as a part of the way;
+    /// infinite where it passes.
+    pub(crate) fn of_all_slopes(
+        count: usize,
+        periodic: bool,
+        first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync,
+    ) -> Vec<Self> {
+        let up = |i: usize, random: &mut Random| {
+            let slope = FLATTEST + (0.5 * PI - FLATTEST) * (i as f32 + random.unit()) / count as f32;
+            (Vec2::from_angle(2.0 * PI * random.unit()) * slope.cos()).extend(slope.sin())
+        };
+        Self::cast(count, periodic, up, first_hit)
+    }
+
+    /// So many sightlines from `each` part of the sky between the nodes of tables, and where they end, as
+    /// [`of_all_slopes`](Self::of_all_slopes).
+    pub(crate) fn of_all_bearings(
+        each: usize,
+        periodic: bool,
+        first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync,
+    ) -> Vec<Self> {
+        let up = |i: usize, random: &mut Random| {
+            let up = direction_above(i / each, random);
+            Vec3 { z: up.z.max(FLATTEST), ..up }.normalize()
+        };
+        Self::cast(UPPER * each, periodic, up, first_hit)
+    }
+
+    fn cast(
+        count: usize,
+        periodic: bool,
+        up: impl Fn(usize, &mut Random) -> Vec3 + Sync,
+        first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync,
+    ) -> Vec<Self> {
+        let one = |i: usize| {
+            let random = &mut Random::new(i as u64, 0x51a7);
+            let up = up(i, random);
+            let start = evenly(i).as_vec2();
+            let (from, to) = if periodic {
+                let from = start.extend(1.0);
+                (from, from - up / up.z)
+            } else {
+                // Through any point of the cube, from outside it to outside it.
+                let middle = start.extend(random.unit());
+                (middle + 2.0 * up, middle - 2.0 * up)
+            };
+            Self { from, to, hit: first_hit(i, from, to) }
+        };
+        (0..count).into_par_iter().map(one).collect()
+    }
+
+    /// From one end to the other, texel space.
+    pub(crate) fn direction(&self) -> Vec3 {
+        self.to - self.from
+    }
+
+    /// What it meets in a level, in order: each voxel's index, its z, the optical depth there, and whether the content has
+    /// stopped it by then.
+    pub(crate) fn meet(&self, level: &Level, mut each: impl FnMut(u32, i32, f32, bool)) {
+        let scale = level.resolution() as f32;
+        let (from, to) = (self.from * scale, self.to * scale);
+        let d = to - from;
+        for step in level.walk(from, to) {
+            let voxel = level.voxel(step.voxel);
+            let clipped = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave]);
+            let Some([enter, leave]) = clipped else { continue };
+            let depth = voxel.depth_per_step(d) * (leave - enter);
+            if depth > 0.0 {
+                // The voxel that holds the hit, or the first behind it where rounding put the hit between two.
+                each(step.voxel, step.cell.z, depth, self.hit <= leave + 1e-5);
+            }
+        }
+    }
+}
