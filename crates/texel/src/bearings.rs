@@ -7,6 +7,8 @@
 //! for each direction: of each voxel where they are few, else of all at about the same height. Each then stops as many
 //! sightlines as the geometry in it does: the whole hides what it should, and each voxel is as much of what is seen.
 
+use std::iter::Sum;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -81,13 +83,21 @@ impl Bearings {
         const ROUNDS: usize = 16;
         let classes = Classes::of(level.resolution());
         let count = classes.count(level.len());
-        let paths: Vec<Path> = sightlines.par_iter().map(|line| Path::new(line, level, classes)).collect();
+        // Through layers go all of them, one after the other.
+        let some = if let Classes::Voxels = classes { 1 } else { 4 };
+        let lines = sightlines.par_iter().step_by(some);
+        let paths: Vec<Path> = lines.map(|line| Path::new(line, level, classes)).collect();
         let mut logs = vec![[0.0_f32; UPPER]; count];
         for _ in 0..ROUNDS {
-            let mut needs = vec![[Need::default(); UPPER]; count];
-            paths.iter().for_each(|path| path.follow(&logs, &mut needs));
-            for (log, need) in logs.as_flattened_mut().iter_mut().zip(needs.as_flattened()) {
-                *log = need.next(*log);
+            let of_some = |paths: &[Path]| {
+                let mut needs = vec![[Need::default(); UPPER]; count];
+                paths.iter().for_each(|path| path.follow(&logs, &mut needs));
+                needs
+            };
+            // In parts of a fixed size, whose sums are the same for any number of threads.
+            let parts: Vec<Vec<[Need; UPPER]>> = paths.par_chunks(1 << 14).map(of_some).collect();
+            for (i, log) in logs.as_flattened_mut().iter_mut().enumerate() {
+                *log = parts.iter().map(|needs| needs.as_flattened()[i]).sum::<Need>().next(*log);
             }
         }
         let whole = |log: &f32| (STEPS * core::f32::consts::LOG2_E * log).round() as i8;
@@ -166,6 +176,15 @@ struct Need {
     gained: f32,
 }
 
+impl Sum for Need {
+    fn sum<I: Iterator<Item = Self>>(needs: I) -> Self {
+        needs.fold(Self::default(), |a, b| Self {
+            missing: a.missing + b.missing,
+            gained: a.gained + b.gained,
+        })
+    }
+}
+
 impl Need {
     /// A logarithm nearer to what is needed.
     fn next(self, log: f32) -> f32 {
@@ -175,5 +194,124 @@ impl Need {
         const MOST: f32 = 2.0;
         let step = (self.missing - PRIOR * log) / (self.gained + PRIOR);
         (log + step.clamp(-0.5, 0.5)).clamp(-MOST, MOST)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::PI;
+
+    use glam::Vec2;
+
+    use super::*;
+    use crate::random::Random;
+    use crate::{BuildOptions, Geometry, Hypertexture, Line, Texel, build};
+
+    /// Two by two square pillars, half as wide as they are apart, from the surface to the top.
+    fn pillars() -> Texel {
+        let pillar = |i: usize| {
+            let corner = Vec3::new(0.125 + 0.5 * (i % 2) as f32, 0.125 + 0.5 * (i / 2) as f32, 0.0);
+            let at = |i: usize, z: f32| {
+                let ring = [[0.0, 0.0], [0.25, 0.0], [0.25, 0.25], [0.0, 0.25]][i % 4];
+                corner + Vec3::new(ring[0], ring[1], z)
+            };
+            let walls = (0..4).flat_map(move |i| {
+                let [a, b, c, d] = [at(i, 0.0), at(i + 1, 0.0), at(i + 1, 1.0), at(i, 1.0)];
+                [[a, b, c], [a, c, d]]
+            });
+            let ends = [0.0, 1.0].map(|z| [[at(0, z), at(1, z), at(2, z)], [at(0, z), at(2, z), at(3, z)]]);
+            walls.chain(ends.into_iter().flatten()).collect::<Vec<_>>()
+        };
+        let triangles: Vec<[Vec3; 3]> = (0..4).flat_map(pillar).collect();
+        let colors = vec![Vec3::ONE; triangles.len()];
+        let geometry = Geometry { triangles, colors, ..Geometry::default() };
+        let options = BuildOptions { depth: 3, ..BuildOptions::preview() };
+        build("pillars", geometry, &options, &|_| ()).expect("it is sound")
+    }
+
+    /// How much of what comes down from a direction a level stops, on the mean over a copy.
+    fn stopped(level: &Level, up: Vec3) -> f32 {
+        const SIDE: usize = 32;
+        let size = level.resolution() as f32;
+        let ray = |i: usize| {
+            let [x, y] = [i % SIDE, i / SIDE].map(|i| size * (i as f32 + 0.5) / SIDE as f32);
+            let from = Vec3::new(x, y, size);
+            let line = Line::new(from, -size * up / up.z);
+            let crossed = level.walk_along(&line, [0.0, 1.0]).filter_map(|step| {
+                Some(level.cross(step.voxel, &line, step.cell, [step.enter, step.leave])?.depth)
+            });
+            1.0 - (-crossed.sum::<f32>()).exp()
+        };
+        (0..SIDE * SIDE).map(ray).sum::<f32>() / (SIDE * SIDE) as f32
+    }
+
+    #[test]
+    fn along_rows_is_seen_through_what_is_closed_aslant() {
+        // From 45° a way down is 1 long, twice as far as pillars are apart: along the rows half of all ways are in gaps, on the
+        // diagonal hardly one passes between pillars. All are counted.
+        let texel = pillars();
+        let inside = |x: f32| (0.125..0.375).contains(&x.rem_euclid(0.5));
+        let in_truth = |up: Vec3| {
+            let passes = |i: usize| {
+                let [x, y] = [i % 50, i / 50].map(|i| (i as f32 + 0.5) / 100.0);
+                let way = |k: i32| k as f32 / 100.0 / up.z;
+                (0..100).all(|k| !(inside(x - way(k) * up.x) && inside(y - way(k) * up.y)))
+            };
+            1.0 - (0..2500).filter(|i| passes(*i)).count() as f32 / 2500.0
+        };
+        // As nodes are 15° apart: on the mean over some directions about those two.
+        let about = |around: f32, of: &dyn Fn(Vec3) -> f32| {
+            let angles = (-5..=5).flat_map(|i| (-2..=2).map(move |j| (0.035 * i as f32, 0.05 * j as f32)));
+            let one =
+                |(turn, tilt): (f32, f32)| of((Vec2::from_angle(around + turn) * (1.0 + tilt)).extend(1.0));
+            angles.map(one).sum::<f32>() / 55.0
+        };
+        let (level, mut without) = (texel.level(0), texel.level(0).clone());
+        without.set_bearings(None);
+        let [rows, aslant] = [0.0, 0.75 * PI].map(|around| {
+            let truth = about(around, &in_truth);
+            [level, &without].map(|level| about(around, &|up| stopped(level, up)) - truth)
+        });
+        // Gaps are narrower than what is between nodes: a third of what was wrong is left there.
+        assert!(rows[0].abs() < 0.045 && aslant[0].abs() < 0.01, "{rows:?} {aslant:?}");
+        assert!(rows[1] > 0.1 && aslant[1] < -0.05, "{rows:?} {aslant:?}");
+    }
+
+    #[test]
+    fn what_is_right_stays_and_what_is_half_is_doubled() {
+        let thin = Hypertexture { density: 3.0, ..Hypertexture::calm() };
+        let options = BuildOptions { depth: 3, ..BuildOptions::preview() };
+        let texel = build("ball", thin, &options, &|_| ()).expect("it is sound");
+        for l in [1, 3] {
+            let mut level = texel.level(l).clone();
+            level.set_bearings(None);
+            // Stopped by the level itself, were it so many times as deep.
+            let lines = |times: f32| {
+                Sightline::of_all_bearings(4000, true, |i, from, to| {
+                    let size = level.resolution() as f32;
+                    let line = Line::new(size * from, size * (to - from));
+                    let mut left = -Random::new(i as u64, 3).unit().max(1e-6).ln();
+                    for step in level.walk_along(&line, [0.0, 1.0]) {
+                        let range = [step.enter, step.leave];
+                        let Some(met) = level.cross(step.voxel, &line, step.cell, range) else { continue };
+                        left -= times * met.depth;
+                        if left <= 0.0 {
+                            return met.range[1];
+                        }
+                    }
+                    f32::INFINITY
+                })
+            };
+            for times in [1.0, 2.0] {
+                let logs = Bearings::fit(&level, &lines(times));
+                assert_eq!(logs.logs().len(), count(level.resolution(), level.len()));
+                // The median of where the ball is: what hardly anything goes through is held near 1.
+                let inside = if l == 1 { 0..8 } else { 2..6 };
+                let mut logs = logs.logs()[inside.start * UPPER..inside.end * UPPER].to_vec();
+                logs.sort_unstable();
+                let factor = (f32::from(logs[logs.len() / 2]) / STEPS).exp2();
+                assert!((factor / times - 1.0).abs() < 0.1, "level {l}: {factor} for {times}");
+            }
+        }
     }
 }

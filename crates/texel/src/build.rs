@@ -26,8 +26,8 @@ use crate::{BuildError, Density, Geometry, Level, Scatterers, Source, Surfel, Te
 /// How many sightlines each level is held against.
 const SIGHTLINES: usize = 1 << 15;
 
-/// How many from each of the directions in which coarse levels are held against them once more.
-const SIGHTLINES_A_BEARING: usize = 4096;
+/// How many, for each of [`BuildOptions::points`], from each of the directions in which coarse levels are held against them once more.
+const SIGHTLINES_A_BEARING: usize = 170;
 
 /// How a texel is built.
 #[derive(Clone, Debug, PartialEq)]
@@ -214,7 +214,7 @@ fn levels_of_triangles(
     for level in &mut levels {
         calibrate(level, &sightlines);
     }
-    turn(&mut levels, options.periodic, first_hit);
+    turn(&mut levels, options, first_hit);
     let shown = exposure::measure(&facets, &lists, &scene, options.points, &report);
     for (level, shown) in levels.iter_mut().zip(shown) {
         level.set_shown(shown);
@@ -248,15 +248,16 @@ fn levels_of_density(
         level
     });
     let mut levels: Vec<Level> = levels.collect();
-    turn(&mut levels, options.periodic, first_hit);
+    turn(&mut levels, options, first_hit);
     levels
 }
 
 /// Makes the depths of coarse levels right along each direction too. Where the texel ends, sightlines pass beside what a
 /// voxel holds: that makes no holes in it.
-fn turn(levels: &mut [Level], periodic: bool, first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync) {
-    if periodic {
-        let sightlines = Sightline::of_all_bearings(SIGHTLINES_A_BEARING, true, first_hit);
+fn turn(levels: &mut [Level], options: &BuildOptions, first_hit: impl Fn(usize, Vec3, Vec3) -> f32 + Sync) {
+    if options.periodic {
+        let count = SIGHTLINES_A_BEARING * options.points as usize;
+        let sightlines = Sightline::of_all_bearings(count, true, first_hit);
         let coarse = levels.par_iter_mut().take(Bearings::LEVELS);
         coarse.for_each(|level| level.set_bearings(Some(Bearings::fit(level, &sightlines))));
     }

@@ -129,15 +129,18 @@ mod tests {
                 let from = p - d + cell.as_vec3();
                 let range = [0.0, 2.0];
                 let voxel = level.voxel(index);
+                let factor = level.bearings().map_or(1.0, |b| b.factor(d, index, cell.z, level.resolution()));
                 // `from` was rounded with the cell added: both must see the same point.
                 let clipped = voxel.clip(from - cell.as_vec3(), d, range);
                 let crossing = level.cross(index, &Line::new(from, d), cell, range);
                 match (clipped, crossing) {
                     (Some([a, b]), Some(c)) => {
                         met += 1;
-                        let depth = voxel.depth_per_step(d) * (b - a);
+                        let depth = factor * voxel.depth_per_step(d) * (b - a);
                         assert!((c.range[0] - a).abs() + (c.range[1] - b).abs() < 1e-4, "{c:?} {a} {b}");
-                        assert!((c.depth - depth).abs() <= 1e-3 * depth + 1e-4 * voxel.depth_per_step(d));
+                        assert!(
+                            (c.depth - depth).abs() <= 1e-3 * depth + 1e-4 * factor * voxel.depth_per_step(d)
+                        );
                     }
                     (None, None) => {}
                     // Only what is shorter than rounding may be met by one and missed by the other.

@@ -8,7 +8,7 @@
 //! Σ w T(v) · c (n·l)⁺ T(l)  /  Σ w T(v)
 //! ```
 //!
-//! Where few voxels hold the texel all its shadows are in T. From level 2 on T(l) is left to the shadow cone, which goes
+//! Where few voxels hold the texel all its shadows are in T. From level 3 on T(l) is left to the shadow cone, which goes
 //! through the same voxels as the cone to the eye: seen through fog and lit through the same fog, errors of both cancel.
 //! Beyond level 5 voxels are so small that T(v) is left out too.
 

@@ -99,3 +99,27 @@ impl Sightline {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reflectance::around;
+
+    #[test]
+    fn they_come_from_all_of_the_sky_and_go_through_all_of_the_texel() {
+        let passes = |_, _, _| f32::INFINITY;
+        for (i, line) in Sightline::of_all_bearings(20, true, passes).iter().enumerate() {
+            assert!(line.from.z == 1.0 && line.to.z.abs() < 1e-6);
+            // None is nearer to the horizon than the limit; of the others each comes from its part.
+            let up = -line.direction().normalize();
+            assert!(up.z > 0.99 * FLATTEST);
+            assert!(up.z < 0.1 || around(up).iter().any(|(node, weight)| *node == i / 20 && *weight >= 0.25));
+        }
+        let slopes = Sightline::of_all_slopes(300, false, passes);
+        let mean = slopes.iter().map(|line| (-line.direction().normalize().z).asin()).sum::<f32>() / 300.0;
+        assert!((mean - 0.5 * (FLATTEST + 0.5 * PI)).abs() < 1e-3);
+        // Of what stands alone, from outside to outside.
+        let beside = |p: Vec3| (p - 0.5).length() > 0.9;
+        assert!(slopes.iter().all(|line| beside(line.from) && beside(line.to)));
+    }
+}

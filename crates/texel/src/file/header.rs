@@ -25,7 +25,7 @@ use std::io::Read;
 use super::{FileError, Limits};
 
 const MAGIC: [u8; 8] = *b"\x89TEXEL\r\n";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Bytes before the directory, and of each of its entries.
 const FIXED: usize = 32;
 const ENTRY: usize = 32;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! byte 0  form        u32  bit 0: compact, not as it was measured; bit 1: of a density, with scatterers; bit 2: with
-//!                          reflectances; bit 3: balanced
+//!                          reflectances; bit 3: balanced; bit 4: with bearings
 //!      4  bricks      u32
 //!      8  voxels      u32
 //!     12  surfels     u32
@@ -33,6 +33,8 @@
 //!         tables      7875 bytes a voxel, as in memory
 //!
 //! balanced            96 × f32
+//!
+//! bearings            i8, as in memory: 100 a voxel of levels 0 to 2, 800 in all beyond
 //!
 //! density counts      u32: the scatterers of each voxel
 //!         scatterers  6 bytes, as in memory
