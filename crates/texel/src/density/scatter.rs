@@ -56,7 +56,8 @@ pub(crate) fn level(table: &Table, codes: &[u32], level: u32, points: u32) -> Cl
         if Scatterers::side(level) == 0 {
             return (points.into_iter().map(|p| scatterer(p, 1.0)).collect(), Vec::new());
         }
-        let first = ICOSAHEDRON.map(|d| d * Scatterers::reach(level));
+        let first: Vec<Vec3> =
+            ICOSAHEDRON.iter().flat_map(|d| [-d, *d]).map(|d| d * Scatterers::reach(level)).collect();
         let open = |from: Vec3, steps: &[Vec3]| -> f32 {
             steps.iter().map(|&step| table.transmittance(from, step)).sum::<f32>() / steps.len() as f32
         };
