@@ -52,19 +52,19 @@ fn compare(name: &str, skin: Skin, density: Hypertexture, tolerance: &Tolerance)
     assert!(faults.is_empty(), "out of tolerance:\n{}", faults.join("\n"));
 }
 
-// The goals are alpha within 1 % and energy within 4 %. Clouds reach them. The tolerances are what is reached, rounded up: a rock
-// is up to 9 % too bright from the side at 4 pixels a box and 13 % too dark at one, where what it sends depends on where it is seen
-// from; where its voxels are two pixels wide, light from behind is 12 % of the side's too dark.
+// The goals are alpha within 1 % and energy within 4 %. Clouds reach them. The tolerances are what is reached, rounded up: at 4 pixels
+// a box a rock is 9 % too bright near the view, and hides 3 % too much; where its voxels are two pixels wide, light from behind is
+// 12 % of the side's too dark.
 
 #[test]
 fn a_rock_is_as_bright_as_its_density() {
-    let tolerance = Tolerance { alpha: [0.015, 0.01, 0.01, 0.02], energy: [0.12, 0.065, 0.095, 0.14] };
+    let tolerance = Tolerance { alpha: [0.015, 0.01, 0.03, 0.02], energy: [0.12, 0.065, 0.09, 0.04] };
     compare("rough, flat", flat(), Hypertexture::rough(), &tolerance);
 }
 
 #[test]
 fn clouds_are_as_bright_as_their_density() {
-    let tolerance = Tolerance { alpha: [0.002; 4], energy: [0.025, 0.03, 0.02, 0.045] };
+    let tolerance = Tolerance { alpha: [0.002, 0.002, 0.003, 0.002], energy: [0.027, 0.031, 0.02, 0.035] };
     compare("clouds, bent", bent(), Hypertexture::clouds(), &tolerance);
 }
 

@@ -13,6 +13,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::Level;
+use crate::calibrate::is_solid;
 use crate::reflectance::{UPPER, around};
 use crate::sightline::Sightline;
 
@@ -83,10 +84,13 @@ impl Bearings {
         const ROUNDS: usize = 16;
         let classes = Classes::of(level.resolution());
         let count = classes.count(level.len());
-        // Through layers go all of them, one after the other.
-        let some = if let Classes::Voxels = classes { 1 } else { 4 };
-        let lines = sightlines.par_iter().step_by(some);
-        let paths: Vec<Path> = lines.map(|line| Path::new(line, level, classes)).collect();
+        let paths: Vec<Path> = sightlines.par_iter().map(|line| Path::new(line, level, classes)).collect();
+        // A line that comes to a sheet where two voxels meet is stopped in one of them, and by next to nothing in the other:
+        // that makes no holes in the sheet.
+        let mut solid = vec![true; count];
+        for (voxel, cell) in (0..).zip(level.cells()) {
+            solid[classes.number(voxel, cell[2] as i32)] &= is_solid(&level.voxel(voxel));
+        }
         let mut logs = vec![[0.0_f32; UPPER]; count];
         for _ in 0..ROUNDS {
             let of_some = |paths: &[Path]| {
@@ -96,7 +100,8 @@ impl Bearings {
             };
             // In parts of a fixed size, whose sums are the same for any number of threads.
             let parts: Vec<Vec<[Need; UPPER]>> = paths.par_chunks(1 << 14).map(of_some).collect();
-            for (i, log) in logs.as_flattened_mut().iter_mut().enumerate() {
+            for (i, log) in logs.as_flattened_mut().iter_mut().enumerate().filter(|(i, _)| !solid[i / UPPER])
+            {
                 *log = parts.iter().map(|needs| needs.as_flattened()[i]).sum::<Need>().next(*log);
             }
         }

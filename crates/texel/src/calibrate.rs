@@ -93,7 +93,7 @@ pub(crate) fn calibrate(level: &mut Level, sightlines: &[Sightline]) {
 }
 
 /// Whether next to nothing gets through the slab of a voxel, however it crosses it.
-fn is_solid(voxel: &Voxel) -> bool {
+pub(crate) fn is_solid(voxel: &Voxel) -> bool {
     /// The depth of a slab that lets a thousandth through.
     const SOLID: f32 = 7.0;
     voxel.depth_per_step(voxel.slab_normal) * (voxel.slab[1] - voxel.slab[0]) > SOLID
