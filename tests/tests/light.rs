@@ -42,16 +42,16 @@ fn compare(content: Content, tolerance: &Tolerance) {
 }
 
 // The goals are alpha within 1 % (fur 1.5 %), and energy within 2 % at 64 pixels a box and 4 % beyond. Alpha reaches
-// them but for leaves from 4 pixels on, 2.3 %. Energy does where a box is a pixel; elsewhere not always: the tolerances
+// them but for leaves from 4 pixels on, 1.7 %. Energy does where a box is a pixel; elsewhere not always: the tolerances
 // are what is reached, rounded up. Texels are balanced for all directions at once: these three are some of them. Fur on the bent
-// skin is 7 % too dark at 64 pixels from the side and at 16 from behind, leaves in flat boxes of 4 pixels 7 % too bright from the
-// side, and the flat sheet there 6 % of its side's light from behind, where its copies shade each other at a grazing angle.
+// skin is 7 % too dark at 64 pixels from the side and at 16 from behind, leaves in flat boxes of 4 pixels 5 % too bright from the
+// side, and the bent sheet there 5 % too dark near the view.
 
 #[test]
 fn a_sheet_is_as_bright_as_its_geometry() {
     compare(
         Content::Sheet,
-        &Tolerance { alpha: [0.003, 0.003, 0.003, 0.007], energy: [0.01, 0.015, 0.045, 0.02] },
+        &Tolerance { alpha: [0.003, 0.003, 0.003, 0.007], energy: [0.01, 0.015, 0.048, 0.02] },
     );
 }
 
@@ -59,7 +59,7 @@ fn a_sheet_is_as_bright_as_its_geometry() {
 fn leaves_are_as_bright_as_their_geometry() {
     compare(
         Content::Leaves,
-        &Tolerance { alpha: [0.005, 0.006, 0.024, 0.03], energy: [0.033, 0.036, 0.07, 0.04] },
+        &Tolerance { alpha: [0.005, 0.006, 0.018, 0.02], energy: [0.033, 0.037, 0.048, 0.035] },
     );
 }
 
@@ -67,7 +67,7 @@ fn leaves_are_as_bright_as_their_geometry() {
 fn grass_is_as_bright_as_its_geometry() {
     compare(
         Content::Grass,
-        &Tolerance { alpha: [0.004, 0.005, 0.012, 0.012], energy: [0.031, 0.055, 0.032, 0.041] },
+        &Tolerance { alpha: [0.004, 0.005, 0.012, 0.012], energy: [0.031, 0.03, 0.032, 0.041] },
     );
 }
 
