@@ -151,8 +151,8 @@ fn other_versions_are_told_from_damaged_ones() {
         bytes[24..28].copy_from_slice(&hasher.finalize().to_le_bytes());
         read(&bytes)
     };
-    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 5 })));
-    assert!(matches!(of_version(4), Err(FileError::Older { version: 4, known: 5 })));
+    assert!(matches!(of_version(7), Err(FileError::Newer { version: 7, known: 6 })));
+    assert!(matches!(of_version(4), Err(FileError::Older { version: 4, known: 6 })));
 }
 
 #[test]
