@@ -42,8 +42,8 @@ fn compare(content: Content, tolerance: &Tolerance) {
 }
 
 // The goals are alpha within 1 % (fur 1.5 %), and energy within 2 % at 64 pixels a box and 4 % beyond. Alpha reaches
-// them but for leaves from 4 pixels on, 1.7 %. Energy does where a box is a pixel; elsewhere not always: the tolerances
-// are what is reached, rounded up. Texels are balanced for all directions at once: these three are some of them. Fur on the bent
+// them but for leaves from 4 pixels on, 1.7 %. Energy does not always: the tolerances are what is reached, rounded
+// up. Texels are balanced for all directions at once: these three are some of them. Fur on the bent
 // skin is 7 % too dark at 64 pixels from the side and at 16 from behind, leaves in flat boxes of 4 pixels 5 % too bright from the
 // side, and the bent sheet there 5 % too dark near the view.
 

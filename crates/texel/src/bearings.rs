@@ -1,8 +1,8 @@
 //! By how much deeper the voxels of a coarse level are along each direction than their ellipsoids say.
 //!
-//! The depths that an ellipsoid gives vary as a quadric does, and are alike from both ends of any diameter of the
-//! horizon. What a texel hides of its copies varies otherwise: balls in rows hide more aslant the rows than along them, and
-//! strands let through who looks along them, and next to nobody else. And of voxels at the same height one stops much and
+//! The depths that an ellipsoid gives vary as a quadric does. What a texel hides among its copies varies otherwise: balls in
+//! rows hide more aslant the rows than along them, and strands let through who looks along them, and next to nobody else.
+//! And of voxels at the same height one stops much and
 //! the next little of what comes from a side. So what is left after `calibrate.rs` is kept beside the voxels, as a factor
 //! for each direction: of each voxel where they are few, else of all at about the same height. Each then stops as many
 //! sightlines as the geometry in it does: the whole hides what it should, and each voxel is as much of what is seen.
@@ -121,7 +121,7 @@ impl Bearings {
 
 /// How many numbers a level of so many voxels, so many a side, has.
 pub(crate) fn count(resolution: u32, voxels: usize) -> usize {
-    UPPER * Classes::of(resolution).count(voxels)
+    UPPER.saturating_mul(Classes::of(resolution).count(voxels))
 }
 
 /// The nodes around a direction or its opposite, whichever is above.

@@ -69,14 +69,12 @@ impl<'a> Scatterers<'a> {
     /// The last level whose scatterers know what passes their surroundings.
     pub(crate) const MAPPED: u32 = 5;
 
-    /// How far the scatterers of a level know their surroundings, in texel units: two voxels.
+    /// How far the scatterers of a level know their surroundings, in texel units: two voxels, at level 1 as far as at level 0.
     pub fn reach(level: u32) -> f32 {
-        if level < 2 {
-            2.0
-        } else if level <= Self::MAPPED {
-            2.0 * 0.5_f32.powi(level as i32)
-        } else {
-            0.0
+        match level {
+            0..2 => 2.0,
+            2..=Self::MAPPED => 2.0 * 0.5_f32.powi(level as i32),
+            _ => 0.0,
         }
     }
 

@@ -14,10 +14,9 @@ const ALONE: f32 = 3.0;
 
 /// The coarsest level that a cone may read where a passage begins and where it ends.
 #[inline]
-pub(super) fn coarsest(scene: &Scene, lod: Lod, passage: &BoxPassage) -> [f32; 2] {
+pub(super) fn coarsest(scene: &Scene, lod: Lod, passage: &BoxPassage, patch: &Patch) -> [f32; 2] {
     let any = [f32::NEG_INFINITY; 2];
     let (Lod::Footprint(_), Some(open)) = (lod, scene.open_sides(passage.patch)) else { return any };
-    let (_, patch) = scene.patch(passage.patch);
     passage.u.map(|u| if copies_within(patch, open, u.truncate()) < 1.0 { ALONE } else { f32::NEG_INFINITY })
 }
 

@@ -38,7 +38,7 @@ pub(crate) fn march(
 
     let ends = [local.end(passage, 0), local.end(passage, 1)];
     let jacobians = [local.texel_jacobian(&ends[0]), local.texel_jacobian(&ends[1])];
-    let coarsest = border::coarsest(scene, settings.lod, passage);
+    let coarsest = border::coarsest(scene, settings.lod, passage, patch);
     // From end to end, for a texel of this height.
     let levels_of = |height: f32, depth: u32| {
         let end = |end: usize| {
