@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::Level;
 use crate::calibrate::is_solid;
 use crate::reflectance::{UPPER, around};
-use crate::sightline::Sightline;
+use crate::sightline::{FLATTEST, Sightline};
 
 /// Voxels of the same class have the same factors.
 #[derive(Clone, Copy)]
@@ -124,10 +124,13 @@ pub(crate) fn count(resolution: u32, voxels: usize) -> usize {
     UPPER.saturating_mul(Classes::of(resolution).count(voxels))
 }
 
-/// The nodes around a direction or its opposite, whichever is above.
+/// The nodes around a direction or its opposite, whichever is above, and their weights. The sum of these falls to nothing below the
+/// flattest sightlines, which nothing is known of: level lines have no end that is above.
 #[inline]
 fn nodes(direction: Vec3) -> [(usize, f32); 4] {
-    around(if direction.z < 0.0 { -direction } else { direction })
+    let up = if direction.z < 0.0 { -direction } else { direction };
+    let known = (up.z / (FLATTEST * up.abs().element_sum()).max(f32::MIN_POSITIVE)).min(1.0);
+    around(up).map(|(node, weight)| (node, known * weight))
 }
 
 /// What a sightline meets in a level.
@@ -241,11 +244,7 @@ mod tests {
         let ray = |i: usize| {
             let [x, y] = [i % SIDE, i / SIDE].map(|i| size * (i as f32 + 0.5) / SIDE as f32);
             let from = Vec3::new(x, y, size);
-            let line = Line::new(from, -size * up / up.z);
-            let crossed = level.walk_along(&line, [0.0, 1.0]).filter_map(|step| {
-                Some(level.cross(step.voxel, &line, step.cell, [step.enter, step.leave])?.depth)
-            });
-            1.0 - (-crossed.sum::<f32>()).exp()
+            1.0 - level.transmittance(from, from - size * up / up.z)
         };
         (0..SIDE * SIDE).map(ray).sum::<f32>() / (SIDE * SIDE) as f32
     }
@@ -283,6 +282,20 @@ mod tests {
     }
 
     #[test]
+    fn a_line_has_the_same_factor_from_either_end() {
+        let bearings = Bearings::new((0..UPPER as i8).collect());
+        let factor = |d| bearings.factor(d, 0, 0, 1);
+        let random = &mut Random::new(4, 0);
+        for _ in 0..1000 {
+            let d = 0.01 * random.direction();
+            assert_eq!(factor(d), factor(-d), "{d}");
+            // Along the surface the ellipsoid alone counts, and what is nearly along it goes there evenly.
+            assert_eq!(factor(d.with_z(0.0)), 1.0, "{d}");
+            assert!((factor(d.with_z(1e-6 * d.length())) - 1.0).abs() < 1e-3, "{d}");
+        }
+    }
+
+    #[test]
     fn what_is_right_stays_and_what_is_half_is_doubled() {
         let thin = Hypertexture { density: 3.0, ..Hypertexture::calm() };
         let options = BuildOptions { depth: 3, ..BuildOptions::preview() };
@@ -297,8 +310,7 @@ mod tests {
                     let line = Line::new(size * from, size * (to - from));
                     let mut left = -Random::new(i as u64, 3).unit().max(1e-6).ln();
                     for step in level.walk_along(&line, [0.0, 1.0]) {
-                        let range = [step.enter, step.leave];
-                        let Some(met) = level.cross(step.voxel, &line, step.cell, range) else { continue };
+                        let Some(met) = level.cross(&line, &step) else { continue };
                         left -= times * met.depth;
                         if left <= 0.0 {
                             return met.range[1];

@@ -109,7 +109,7 @@ impl Line {
 mod tests {
     use super::*;
     use crate::random::Random;
-    use crate::{BuildOptions, Fur, build};
+    use crate::{BuildOptions, Fur, Step, build};
 
     #[test]
     fn crossing_is_clip_and_depth() {
@@ -132,7 +132,8 @@ mod tests {
                 let factor = level.bearings().map_or(1.0, |b| b.factor(d, index, cell.z, level.resolution()));
                 // `from` was rounded with the cell added: both must see the same point.
                 let clipped = voxel.clip(from - cell.as_vec3(), d, range);
-                let crossing = level.cross(index, &Line::new(from, d), cell, range);
+                let step = Step { cell, voxel: index, enter: range[0], leave: range[1] };
+                let crossing = level.cross(&Line::new(from, d), &step);
                 match (clipped, crossing) {
                     (Some([a, b]), Some(c)) => {
                         met += 1;

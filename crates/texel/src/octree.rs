@@ -12,7 +12,7 @@ use crate::packed::Packed;
 use crate::reflectance::{Reflectance, Reflectances};
 use crate::scatterer::{Cloud, Scatterers};
 use crate::surfel::Surfels;
-use crate::{Balance, BuildError, Crossing, Line, Source, Surfel, TexelError, Voxel, Walk};
+use crate::{Balance, BuildError, Crossing, Line, Source, Step, Surfel, TexelError, Voxel, Walk};
 
 /// One level: `2^l` voxels a side, of which only the occupied ones are stored.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,23 +134,21 @@ impl Level {
         self.cloud.of(index)
     }
 
-    /// What `line` (in voxels of this level) meets between the parameters `range` in the voxel `index`, standing in
-    /// `cell`; `None` where it misses the matter.
+    /// What `line` (in voxels of this level) meets in the voxel of one step of its walk; `None` where it misses the matter.
     ///
     /// # Panics
-    /// If `index` is not below [`len`](Self::len).
+    /// If the step is not of this level: its voxel not below [`len`](Self::len).
     #[inline]
-    pub fn cross(&self, index: u32, line: &Line, cell: IVec3, range: [f32; 2]) -> Option<Crossing> {
+    pub fn cross(&self, line: &Line, step: &Step) -> Option<Crossing> {
+        let (index, range) = (step.voxel as usize, [step.enter, step.leave]);
         let crossing = match &self.content {
-            Content::Exact(voxels, _) => line.cross(&voxels[index as usize], cell, range),
-            Content::Compact(compact) => line.cross(&compact.voxel(index as usize), cell, range),
+            Content::Exact(voxels, _) => line.cross(&voxels[index], step.cell, range),
+            Content::Compact(compact) => line.cross(&compact.voxel(index), step.cell, range),
         };
         let Some(bearings) = &self.bearings else { return crossing };
         let Crossing { range, depth } = crossing?;
-        Some(Crossing {
-            range,
-            depth: depth * bearings.factor(line.step.into(), index, cell.z, self.resolution()),
-        })
+        let factor = bearings.factor(line.step.into(), step.voxel, step.cell.z, self.resolution());
+        Some(Crossing { range, depth: factor * depth })
     }
 
     /// The voxel in a cell: s and t wrap if the texel is periodic; `None` outside it or where it is empty.

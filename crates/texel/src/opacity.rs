@@ -2,7 +2,17 @@
 
 use glam::{IVec3, Vec3};
 
-use crate::{Line, Texel};
+use crate::{Level, Line, Texel};
+
+impl Level {
+    /// What part of the light passes from one point to another, 0 to 1. Both in voxels of this level, as
+    /// [`walk`](Self::walk).
+    pub fn transmittance(&self, from: Vec3, to: Vec3) -> f32 {
+        let line = Line::new(from, to - from);
+        let met = self.walk_along(&line, [0.0, 1.0]).filter_map(|step| self.cross(&line, &step));
+        (-met.map(|met| met.depth).sum::<f32>()).exp()
+    }
+}
 
 impl Texel {
     /// What part of the light along an axis (0, 1, 2 for s, t, w) one copy of the texel stops at level `l`, 0 to 1: the
@@ -22,11 +32,7 @@ impl Texel {
             let inside =
                 |cell: &IVec3| cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(size as i32)).all();
             let steps = level.walk(from, from + along).filter(|step| inside(&step.cell));
-            let depth = |step: crate::Step| {
-                level
-                    .cross(step.voxel, &line, step.cell, [step.enter, step.leave])
-                    .map_or(0.0, |met| met.depth)
-            };
+            let depth = |step| level.cross(&line, &step).map_or(0.0, |met| met.depth);
             1.0 - (-steps.map(depth).sum::<f32>()).exp()
         };
         (0..SIDE * SIDE).map(ray).sum::<f32>() / (SIDE * SIDE) as f32

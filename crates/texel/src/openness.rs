@@ -8,7 +8,7 @@ use core::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-use crate::{Level, Texel};
+use crate::{Level, Line, Texel};
 
 /// How many directions stand for the hemisphere.
 const DIRECTIONS: usize = 6;
@@ -49,19 +49,12 @@ fn unblocked(level: &Level, from: Vec3, direction: Vec3, near: f32) -> f32 {
     let from = from * scale;
     let d = direction * ((scale - from.z) / direction.z);
     let near = near * scale / d.length();
+    let line = Line::new(from, d);
     let mut depth = 0.0;
-    for step in level.walk(from, from + d) {
-        if step.leave < near {
-            continue;
-        }
-        let voxel = level.voxel(step.voxel);
-        if let Some([enter, leave]) =
-            voxel.clip(from - step.cell.as_vec3(), d, [step.enter.max(near), step.leave])
-        {
-            depth += voxel.depth_per_step(d) * (leave - enter);
-            if depth > OPAQUE {
-                return 0.0;
-            }
+    for step in level.walk_along(&line, [near, 1.0]) {
+        depth += level.cross(&line, &step).map_or(0.0, |met| met.depth);
+        if depth > OPAQUE {
+            return 0.0;
         }
     }
     (-depth).exp()

@@ -6,9 +6,9 @@ use glam::{Vec2, Vec3};
 use pelage_geom::evenly;
 use rayon::prelude::*;
 
-use crate::Level;
 use crate::random::Random;
 use crate::reflectance::{UPPER, direction_above};
+use crate::{Crossing, Level, Line};
 
 /// A segment through the texel, and where the content first stops it.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub(crate) struct Sightline {
 }
 
 /// Flatter than this (radians) a sightline would cross dozens of tiles.
-const FLATTEST: f32 = 0.06;
+pub(crate) const FLATTEST: f32 = 0.06;
 
 impl Sightline {
     /// `count` sightlines from above, all slopes alike, and where they end.
@@ -85,17 +85,11 @@ impl Sightline {
     /// stopped it by then.
     pub(crate) fn meet(&self, level: &Level, mut each: impl FnMut(u32, i32, f32, bool)) {
         let scale = level.resolution() as f32;
-        let (from, to) = (self.from * scale, self.to * scale);
-        let d = to - from;
-        for step in level.walk(from, to) {
-            let voxel = level.voxel(step.voxel);
-            let clipped = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave]);
-            let Some([enter, leave]) = clipped else { continue };
-            let depth = voxel.depth_per_step(d) * (leave - enter);
-            if depth > 0.0 {
-                // The voxel that holds the hit, or the first behind it where rounding put the hit between two.
-                each(step.voxel, step.cell.z, depth, self.hit <= leave + 1e-5);
-            }
+        let line = Line::new(self.from * scale, self.direction() * scale);
+        for step in level.walk_along(&line, [0.0, 1.0]) {
+            let Some(Crossing { range, depth }) = level.cross(&line, &step) else { continue };
+            // The voxel that holds the hit, or the first behind it where rounding put the hit between two.
+            each(step.voxel, step.cell.z, depth, self.hit <= range[1] + 1e-5);
         }
     }
 }

@@ -26,16 +26,7 @@ fn transmittance(texel: &Texel, level: u32, d: Vec3) -> f32 {
     for i in 0..SIDE * SIDE {
         let start = Vec2::new((i % SIDE) as f32 + 0.37, (i / SIDE) as f32 + 0.71) / SIDE as f32;
         let from = start.extend(1.0) * scale;
-        let d = d * scale;
-        let mut depth = 0.0;
-        for step in level.walk(from, from + d) {
-            let voxel = level.voxel(step.voxel);
-            let corner = step.cell.as_vec3();
-            if let Some([enter, leave]) = voxel.clip(from - corner, d, [step.enter, step.leave]) {
-                depth += voxel.depth_per_step(d) * (leave - enter);
-            }
-        }
-        sum += (-depth).exp();
+        sum += level.transmittance(from, from + d * scale);
     }
     sum / (SIDE * SIDE) as f32
 }

@@ -17,16 +17,7 @@ fn built(hypertexture: &Hypertexture, depth: u32) -> Texel {
 /// What a level lets pass between two points (texel coordinates).
 fn passed(level: &Level, [from, to]: [Vec3; 2]) -> f32 {
     let scale = level.resolution() as f32;
-    let [from, to] = [from * scale, to * scale];
-    let d = to - from;
-    let mut depth = 0.0;
-    for step in level.walk(from, to) {
-        let voxel = level.voxel(step.voxel);
-        if let Some([enter, leave]) = voxel.clip(from - step.cell.as_vec3(), d, [step.enter, step.leave]) {
-            depth += voxel.depth_per_step(d) * (leave - enter);
-        }
-    }
-    (-depth).exp()
+    level.transmittance(from * scale, to * scale)
 }
 
 /// What the density itself does, by the midpoint rule.

@@ -160,11 +160,10 @@ impl Walker<'_> {
         };
         let run = &mut self.runs[parity];
         let mut cells = 0;
-        for Step { cell, voxel, enter, leave } in steps {
+        for step in steps {
             cells += 1;
-            let Some(Crossing { range, depth }) = level.cross(voxel, &line, cell, [enter, leave]) else {
-                continue;
-            };
+            let Some(Crossing { range, depth }) = level.cross(&line, &step) else { continue };
+            let Step { cell, voxel, .. } = step;
             let even = part.levels.even(0.5 * (range[0] + range[1]));
             let range = [begin + (end - begin) * range[0], begin + (end - begin) * range[1]];
             let through = through(self.settings.opacity, depth);
