@@ -2,10 +2,10 @@
 //!
 //! The depths that an ellipsoid gives vary as a quadric does. What a texel hides among its copies varies otherwise: balls in
 //! rows hide more aslant the rows than along them, and strands let through who looks along them, and next to nobody else.
-//! And of voxels at the same height one stops much and
-//! the next little of what comes from a side. So what is left after `calibrate.rs` is kept beside the voxels, as a factor
-//! for each direction: of each voxel where they are few, else of all at about the same height. Each then stops as many
-//! sightlines as the geometry in it does: the whole hides what it should, and each voxel is as much of what is seen.
+//! And of voxels at the same height one stops much and the next little of what comes from a side. So what is left after
+//! `calibrate.rs` is kept beside the voxels, as a factor for each direction: of each voxel where they are few, else of all
+//! at about the same height. Each then stops as many sightlines as the geometry in it does: the whole hides what it should,
+//! and each voxel is as much of what is seen.
 
 use std::iter::Sum;
 
