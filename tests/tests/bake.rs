@@ -62,16 +62,7 @@ fn coverage(texel: &Texel, level: u32, inside: impl Fn(Vec2) -> bool) -> f64 {
     let point = |i: usize| evenly(i).as_vec2();
     let mut stopped = 0.0;
     for at in (0..POINTS).map(point).filter(|&p| inside(p)) {
-        let (from, to) = ((at * size).extend(size), (at * size).extend(0.0));
-        let mut depth = 0.0;
-        for step in level.walk(from, to) {
-            let voxel = level.voxel(step.voxel);
-            let cell: IVec3 = step.cell;
-            if let Some([a, b]) = voxel.clip(from - cell.as_vec3(), to - from, [step.enter, step.leave]) {
-                depth += voxel.depth_per_step(to - from) * (b - a);
-            }
-        }
-        stopped += f64::from(-(-depth).exp_m1());
+        stopped += f64::from(1.0 - level.transmittance((at * size).extend(size), (at * size).extend(0.0)));
     }
     stopped / POINTS as f64
 }

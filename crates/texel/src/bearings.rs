@@ -124,8 +124,8 @@ pub(crate) fn count(resolution: u32, voxels: usize) -> usize {
     UPPER.saturating_mul(Classes::of(resolution).count(voxels))
 }
 
-/// The nodes around a direction or its opposite, whichever is above, and their weights. The sum of these falls to nothing below the
-/// flattest sightlines, which nothing is known of: level lines have no end that is above.
+/// The nodes around a direction or its opposite, whichever is above, and their weights. Their sum falls from 1 to 0 from about
+/// the flattest sightlines on, as nothing is known of what is flatter: level lines have no end that is above.
 #[inline]
 fn nodes(direction: Vec3) -> [(usize, f32); 4] {
     let up = if direction.z < 0.0 { -direction } else { direction };

@@ -1,6 +1,6 @@
 //! How much of a texel can be seen through from the side or from above.
 
-use glam::{IVec3, Vec3};
+use glam::Vec3;
 
 use crate::{Level, Line, Texel};
 
@@ -28,12 +28,7 @@ impl Texel {
             // Not along the middles of cells, where a sheet between two of them would be missed.
             from[(axis + 1) % 3] = size * ((i % SIDE) as f32 + 0.37) / SIDE as f32;
             from[(axis + 2) % 3] = size * ((i / SIDE) as f32 + 0.37) / SIDE as f32;
-            let line = Line::new(from, along);
-            let inside =
-                |cell: &IVec3| cell.cmpge(IVec3::ZERO).all() && cell.cmplt(IVec3::splat(size as i32)).all();
-            let steps = level.walk(from, from + along).filter(|step| inside(&step.cell));
-            let depth = |step| level.cross(&line, &step).map_or(0.0, |met| met.depth);
-            1.0 - (-steps.map(depth).sum::<f32>()).exp()
+            1.0 - level.transmittance(from, from + along)
         };
         (0..SIDE * SIDE).map(ray).sum::<f32>() / (SIDE * SIDE) as f32
     }

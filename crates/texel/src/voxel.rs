@@ -96,7 +96,8 @@ impl Voxel {
     /// Slabs up to the first thickness (voxel edges) have the normals of a flake, from the second on those of Σ.
     const THIN: [f32; 2] = [0.08, 0.25];
 
-    /// Optical depth of a step `d` (voxel edges) inside the region.
+    /// Optical depth of a step `d` (voxel edges) inside the region, by Σ alone: [`Level::cross`](crate::Level::cross) knows
+    /// what else its level says of the direction.
     #[inline]
     pub fn depth_per_step(&self, d: Vec3) -> f32 {
         self.sigma.quadratic(d).max(0.0).sqrt()

@@ -126,7 +126,7 @@ fn content_wraps() {
     }
     let [a, b] = [&geometry, &shifted].map(|geometry| built(geometry, 5));
     let mut worst = 0.0_f32;
-    // Not straight down: between upright strands that is beyond what slopes are calibrated for.
+    // Not straight down: between upright strands gaps change more quickly than bearings can tell.
     for d in [Vec3::new(0.3, 0.1, -1.0), Vec3::new(0.7, 0.2, -1.0), Vec3::new(-2.0, 1.0, -1.0)] {
         for level in 0..=5 {
             let [a, b] = [&a, &b].map(|texel| transmittance(texel, level, d));
@@ -135,7 +135,7 @@ fn content_wraps() {
         }
     }
     // Cut into other voxels and calibrated by itself, each is within .03 of the geometry, as the test below says.
-    assert!(worst < 0.05, "{worst}");
+    assert!(worst < 0.03, "{worst}");
 }
 
 #[test]
@@ -182,9 +182,8 @@ fn every_level_hides_what_the_geometry_hides() {
             worst = worst.max((seen - truth).abs());
         }
     }
-    // Slopes are calibrated in six classes, between which factors are interpolated, by some 5000 sightlines each.
-    // What is reached with strands in locks, rounded up; the worst is nearly straight down.
-    assert!(worst < 0.04, "{worst}");
+    // What is reached with strands in locks, rounded up; the worst is nearly straight down, at a level without bearings.
+    assert!(worst < 0.025, "{worst}");
 }
 
 /// The part of parallel sightlines from the top of the tile that meet none of the triangles before its bottom.

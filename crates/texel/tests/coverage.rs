@@ -136,7 +136,7 @@ fn leaves_cover_what_they_cover() {
 fn fur_covers_what_it_covers() {
     for (l, [ratio, _]) in bias("fur", &fur().geometry(), 6, 300).into_iter().enumerate() {
         // Locks of strands in the one voxel of level 0: 3.8 % too much; from level 1 on within 1.3 %.
-        let most = if l == 0 { 0.04 } else { 0.02 };
+        let most = if l == 0 { 0.04 } else { 0.015 };
         assert!((ratio - 1.0).abs() < most, "level {l}: {ratio}");
     }
 }
@@ -182,8 +182,8 @@ fn a_tilted_sheet_is_opaque_at_every_level() {
 /// A direction, the alpha of the geometry and that of each level.
 type Row = (Vec3, f32, Vec<f32>);
 
-/// Alpha along each of the 26 directions by the ellipsoids and bearings of each level, against that of the geometry and against the
-/// closed form; the means of both differences over the directions, and the worst of the first. [Noma95]
+/// Alpha along each of the 26 directions by the ellipsoids and bearings of each level, against that of the geometry and
+/// against the closed form; the means of both differences over the directions, and the worst of the first. [Noma95]
 fn directional(name: &str, geometry: &Geometry, depth: u32, closed: impl Fn(Vec3) -> f32) -> Vec<[f32; 3]> {
     let texel = build(name, geometry.clone(), &options(depth), &|_| ()).unwrap();
     let rows = alphas(geometry, &texel, 600);
