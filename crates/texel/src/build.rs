@@ -29,6 +29,10 @@ const SIGHTLINES: usize = 1 << 15;
 /// How many, for each of [`BuildOptions::points`], from each of the directions in which coarse levels are held against them once more.
 const SIGHTLINES_A_BEARING: usize = 170;
 
+/// How many facets the cells that rays go through hold on the mean: of fewer, and more cells, the walk costs more than the tests that it
+/// saves (docs/notes/baking.md).
+const FACETS_A_CELL: f32 = 8.0;
+
 /// How a texel is built.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuildOptions {
@@ -206,9 +210,8 @@ fn levels_of_triangles(
         Level::new(Bricks::new(1 << level, cells.codes()), voxels, options.periodic)
     });
     let mut levels: Vec<Level> = levels.collect();
-    // Cells an eighth of a voxel wide or more, but no more of them than pays.
-    let grid = options.depth.min(6);
-    let scene = Surroundings::new(&facets, &lists[grid as usize], 1 << grid, options.periodic);
+    let grid = lists.iter().rposition(|cells| cells.facets_a_cell() >= FACETS_A_CELL).unwrap_or(0);
+    let scene = Surroundings::new(&facets, &lists[grid], 1 << grid, options.periodic);
     let first_hit = |_, from, to| scene.first_hit(from, to);
     let sightlines = Sightline::of_all_slopes(SIGHTLINES, options.periodic, first_hit);
     for level in &mut levels {

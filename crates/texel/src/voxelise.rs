@@ -125,6 +125,11 @@ impl Cells {
         self.entries.len()
     }
 
+    /// How many facets an occupied cell lists on the mean; 0 without any.
+    pub(crate) fn facets_a_cell(&self) -> f32 {
+        self.entries.len() as f32 / self.codes.len().max(1) as f32
+    }
+
     /// For each cell, which of the cells of a `finer` level lie in it, `bits` being three for each level between.
     pub(crate) fn descendants(&self, finer: &Self, bits: u32) -> Vec<Range<usize>> {
         let first = |code: u64| finer.codes.partition_point(|&c| u64::from(c) < code << bits);
